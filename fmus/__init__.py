@@ -1,0 +1,1 @@
+"""The components of the wheel/rail system: physics, contract and FMU packaging."""

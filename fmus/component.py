@@ -1,0 +1,190 @@
+"""What a component is: variables, the sizes of its arrays, and two kernels. No FMI, no files but one JSON text.
+
+`initialise(parameters, derived, state, inputs, outputs)` and `do_step(parameters, derived, state, inputs, outputs, h)`
+write into flat float arrays; integers and booleans are stored as floats. The calculated parameters are the head of
+`derived`, so that they are known after `initialise`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .compile import Kernel
+
+Vector = NDArray[np.float64]
+
+CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a component as its model description shows it.
+
+    Attributes
+    ----------
+    causality : {'parameter', 'calculatedParameter', 'input', 'output'}
+    kind : {'Real', 'Integer', 'Boolean'}
+    start : value at instantiation; None where the component calculates it
+    minimum, maximum : smallest and largest value that is accepted
+    depends_on : for outputs: the names of the variables that it depends on during the run
+    initially_depends_on : for outputs and calculated parameters: the same in initialisation mode
+    tunable : whether a parameter may change during the run
+    """
+
+    name: str
+    causality: str
+    unit: str
+    description: str
+    kind: str = "Real"
+    start: float | None = None
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    nominal: float = 1.0
+    depends_on: tuple[str, ...] = ()
+    initially_depends_on: tuple[str, ...] = ()
+    tunable: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the declaration."""
+        if self.causality not in CAUSALITIES:
+            raise ValueError(f"{self.name}: causality is {self.causality!r}; must be one of {CAUSALITIES}")
+        if self.start is not None:
+            self.check(self.start)
+
+    def check(self, value: float) -> float:
+        """Return `value` if this variable may have it; raise ValueError otherwise."""
+        if not math.isfinite(value):
+            raise ValueError(f"{self.name} = {value}: must be a finite number")
+        if not self.minimum <= value <= self.maximum:
+            bounds = f"{self.minimum:g} to {self.maximum:g}"
+            raise ValueError(f"{self.name} = {value:g}: must be in the range {bounds} {self.unit}")
+        if self.kind != "Real" and value != int(value):
+            raise ValueError(f"{self.name} = {value:g}: must be a whole number")
+        return value
+
+
+@dataclass(frozen=True)
+class Component:
+    """A declared component.
+
+    Attributes
+    ----------
+    name : model name and model identifier
+    variables : in the order of their value references
+    derived_size, state_size : lengths of the arrays that only the kernels know
+    kernels : module of this package that holds `initialise` and `do_step`
+    """
+
+    name: str
+    description: str
+    variables: tuple[Variable, ...]
+    derived_size: int
+    state_size: int
+    kernels: str
+
+    def of(self, causality: str) -> tuple[Variable, ...]:
+        """Return the variables of one causality, in order."""
+        return tuple(v for v in self.variables if v.causality == causality)
+
+    @cached_property
+    def parameter_index(self) -> dict[str, int]:
+        """Position of each parameter in the parameter array."""
+        return {v.name: i for i, v in enumerate(self.of("parameter"))}
+
+    def kernel(self, name: str) -> Kernel:
+        """Return the kernel `initialise` or `do_step`."""
+        function: Kernel = getattr(import_module(f".{self.kernels}", __package__), name)
+        return function
+
+    def to_json(self) -> str:
+        """Return this declaration as a JSON text that `from_json` reads back without loss."""
+        return json.dumps(asdict(self), indent=1)
+
+    @classmethod
+    def from_json(cls, text: str) -> Component:
+        """Return the component that `to_json` wrote."""
+        data: dict[str, Any] = json.loads(text)
+        data["variables"] = tuple(
+            Variable(
+                **{
+                    **v,
+                    "depends_on": tuple(v["depends_on"]),
+                    "initially_depends_on": tuple(v["initially_depends_on"]),
+                }
+            )
+            for v in data["variables"]
+        )
+        return cls(**data)
+
+
+class Instance:
+    """A running component: the five arrays and the kernels that work on them.
+
+    Parameters
+    ----------
+    component : Component
+    parameters : values by name that differ from the start values; checked
+
+    Raises
+    ------
+    ValueError
+        For an unknown parameter or a value out of range.
+    """
+
+    def __init__(self, component: Component, parameters: Mapping[str, float] | None = None) -> None:
+        self.component = component
+        self.parameters: Vector = np.array([v.start for v in component.of("parameter")], dtype=float)
+        self.inputs: Vector = np.array([v.start or 0.0 for v in component.of("input")], dtype=float)
+        self.outputs: Vector = np.zeros(len(component.of("output")))
+        self.derived: Vector = np.zeros(component.derived_size)
+        self.state: Vector = np.zeros(component.state_size)
+        self._initialise = component.kernel("initialise")
+        self._do_step = component.kernel("do_step")
+        for name, value in (parameters or {}).items():
+            self.set_parameter(name, value)
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Set one parameter by name, checked against its declared range."""
+        index = self.component.parameter_index.get(name)
+        if index is None:
+            raise ValueError(f"{self.component.name} has no parameter {name!r}")
+        self.parameters[index] = self.component.of("parameter")[index].check(value)
+
+    def initialise(self) -> None:
+        """Calculate the derived quantities, the initial state and the outputs at the start."""
+        self._initialise(self.parameters, self.derived, self.state, self.inputs, self.outputs)
+
+    def do_step(self, h: float) -> None:
+        """Advance by `h` seconds with the inputs held; outputs are those at the end of the step."""
+        self._do_step(self.parameters, self.derived, self.state, self.inputs, self.outputs, h)
+
+    @property
+    def calculated(self) -> dict[str, float]:
+        """The calculated parameters by name."""
+        names = [v.name for v in self.component.of("calculatedParameter")]
+        return dict(zip(names, self.derived[: len(names)].tolist(), strict=True))
+
+    def snapshot(self) -> Vector:
+        """Return everything that the future depends on, as one array."""
+        return np.concatenate([self.parameters, self.derived, self.state, self.inputs, self.outputs])
+
+    def restore(self, snapshot: Vector) -> None:
+        """Go back to a snapshot, bit for bit."""
+        arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
+        if snapshot.size != sum(a.size for a in arrays):
+            raise ValueError(
+                f"{self.component.name}: the state has {snapshot.size} numbers, wanted {sum(a.size for a in arrays)}"
+            )
+        begin = 0
+        for array in arrays:
+            array[:] = snapshot[begin : begin + array.size]
+            begin += array.size

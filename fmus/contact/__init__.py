@@ -1,0 +1,1 @@
+"""The contact: Hertz spring, FASTSIM creep forces and friction law, solved implicitly against the structures."""

@@ -1,0 +1,1 @@
+"""The rail: modal state space in four directions, and the rigid rail."""

@@ -1,0 +1,1 @@
+"""The wheel: modes of a wheelset at the contact point, as a modal component."""

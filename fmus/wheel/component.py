@@ -1,0 +1,13 @@
+"""The wheel component: the modes of a wheelset with room for as many as the default has."""
+
+from __future__ import annotations
+
+from ..component import Component
+from ..modal import Modes, structure
+from .wheelset import DATA, read_wheelset
+
+
+def wheel(modes: Modes | None = None) -> Component:
+    """Return the wheel component, by default the one of the paper's cases."""
+    chosen = read_wheelset(DATA / "generic840.toml").modes if modes is None else modes
+    return structure("wheel", "Railway wheelset at the contact point: modal, four directions", chosen)
