@@ -4,20 +4,31 @@ A kernel reads and writes flat float arrays and calls only `math` and other kern
 plain Python, is compiled by Numba in this process, and can be lowered to an object file for a native FMU.
 """
 
-from collections.abc import Callable
+from collections import namedtuple
+from collections.abc import Callable, Iterable
+from importlib.util import find_spec
 from typing import Any
-
-try:
-    import numba
-except ImportError:  # an FMU in a host without Numba: slower, same numbers
-    numba = None
 
 Kernel = Callable[..., Any]
 
+HAS_NUMBA = find_spec("numba") is not None
+
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile `function` with Numba if it is installed, else return it as it is."""
-    if numba is None:
+    """Compile `function` with Numba if it is installed; else (a host without Numba) return it as it is."""
+    if not HAS_NUMBA:
         return function
+    import numba  # noqa: PLC0415 - optional
+
     compiled: Kernel = numba.njit(cache=True, error_model="numpy")(function)
     return compiled
+
+
+def positions(title: str, names: Iterable[str]) -> Any:
+    """Return a named tuple that maps each name to its position, as kernels read it: a compile-time constant.
+
+    >>> positions("Example", ["mass", "stiffness"]).stiffness
+    1
+    """
+    fields = tuple(names)
+    return namedtuple(title, fields)(*range(len(fields)))

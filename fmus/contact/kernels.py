@@ -1,0 +1,301 @@
+"""The running contact: velocities and displacements of wheel and rail in, forces out. Kernels.
+
+Contact axes are the contract's, turned about the longitudinal axis by the contact angle: lon, lat in the contact plane,
+normal from the rail into the wheel. Forces act on the wheel; the rail has the opposite.
+
+The contact is implicit in two ways, because its forces are held over the next step: the normal spring is taken at the
+half step ahead (u + h/2 v), which cancels the delay of a held force; and the creep forces solve
+
+    F = g(v + Y (F - F_held)),
+
+g the friction law and Y the interface mobility of wheel and rail together, by a Newton iteration whose matrix
+(I - g' Y)^-1 is kept from step to step and renewed only when it no longer converges.
+"""
+
+import math
+
+from ..compile import kernel, positions
+from .fastsim import fastsim, flexibilities
+from .friction import falling_factor
+from .kalker import creepage_coefficients
+from .parameters import P
+
+S = positions(
+    "S",
+    ("f_lon", "f_lat", "f_spin", "f_normal", "d_lon", "d_lat", "d_spin", "elapsed", "deflection", "newton"),
+)
+"""Layout of the state: forces that are held now (fluctuations, contact axes), how much the creep forces changed in the
+last step, time, integrated deflection, Newton matrix (3 x 3)."""
+
+D = positions("D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "mobility"))
+"""Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (3 x 4)."""
+
+STATE_SIZE = S.newton + 9
+DERIVED_SIZE = D.mobility + 12
+
+MAX_EVALUATIONS = 60
+TOLERANCE = 1e-4
+"""Largest last correction of the creep forces, relative to mu0 N, that needs no further evaluation."""
+
+
+@kernel
+def normal_force(parameters, derived, deflection):  # type: ignore[no-untyped-def]
+    """Return the total normal force [N] at a fluctuation of the deflection [m] (compression positive)."""
+    load = parameters[P.normal_load]
+    if parameters[P.linear_spring] != 0.0:
+        return max(0.0, load + parameters[P.hertz_stiffness] * deflection)
+    compression = 1.0 + deflection / derived[D.approach]
+    if compression <= 0.0:
+        return 0.0
+    return load * compression * math.sqrt(compression)
+
+
+@kernel
+def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  # type: ignore[no-untyped-def]
+    """Return the total creep forces on the wheel [N, N, N.m] at total creepages and total normal force."""
+    tau = falling_factor(
+        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
+        parameters[P.falling_ratio],
+        parameters[P.saturation_coefficient],
+    )
+    lon, lat, moment = fastsim(
+        creep_lon,
+        creep_lat,
+        creep_spin,
+        parameters[P.mu0] * load,
+        parameters[P.semi_axis_lon],
+        parameters[P.semi_axis_lat],
+        derived[D.L1],
+        derived[D.L2],
+        derived[D.L3],
+        int(parameters[P.grid_cells]),
+        int(parameters[P.grid_strips]),
+    )
+    return tau * lon, tau * lat, tau * moment
+
+
+@kernel
+def _law(parameters, derived, v_lon, v_lat, v_spin, load):  # type: ignore[no-untyped-def]
+    """Return the total creep forces at relative velocities that fluctuate about the steady creepages."""
+    inverse = 1.0 / parameters[P.rolling_velocity]
+    return creep_forces(
+        parameters,
+        derived,
+        parameters[P.steady_creepage_lon] + v_lon * inverse,
+        parameters[P.steady_creepage_lat] + v_lat * inverse,
+        parameters[P.steady_creepage_spin] + v_spin * inverse,
+        load,
+    )
+
+
+@kernel
+def _renew_newton_matrix(parameters, derived, state, v, g, load):  # type: ignore[no-untyped-def]
+    """Put (I - g' Y)^-1 into the state, g' by forward differences at the velocities `v` where the forces are `g`."""
+    delta = 1e-7 * parameters[P.rolling_velocity]
+    turn = delta / derived[D.spin_arm]
+    a = _law(parameters, derived, v[0] + delta, v[1], v[2], load)
+    b = _law(parameters, derived, v[0], v[1] + delta, v[2], load)
+    c = _law(parameters, derived, v[0], v[1], v[2] + turn, load)
+    y = D.mobility
+    s = S.newton
+    for i in range(3):
+        s_lon = (a[i] - g[i]) / delta
+        s_lat = (b[i] - g[i]) / delta
+        s_spin = (c[i] - g[i]) / turn
+        for j in range(3):
+            product = s_lon * derived[y + j] + s_lat * derived[y + 4 + j] + s_spin * derived[y + 8 + j]
+            state[s + 3 * i + j] = (1.0 if i == j else 0.0) - product
+    _invert(state, s)
+
+
+@kernel
+def _invert(m, s):  # type: ignore[no-untyped-def]
+    """Invert in place the 3 x 3 matrix that stands row by row in `m` from position `s`."""
+    a, b, c = m[s], m[s + 1], m[s + 2]
+    d, e, f = m[s + 3], m[s + 4], m[s + 5]
+    g, h, i = m[s + 6], m[s + 7], m[s + 8]
+    x, y, z = e * i - f * h, f * g - d * i, d * h - e * g
+    w = 1.0 / (a * x + b * y + c * z)
+    m[s], m[s + 1], m[s + 2] = x * w, (c * h - b * i) * w, (b * f - c * e) * w
+    m[s + 3], m[s + 4], m[s + 5] = y * w, (a * i - c * g) * w, (c * d - a * f) * w
+    m[s + 6], m[s + 7], m[s + 8] = z * w, (b * g - a * h) * w, (a * e - b * d) * w
+
+
+@kernel
+def _solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type: ignore[no-untyped-def]
+    """Return the creep-force fluctuations that agree with the velocities they cause, and how many evaluations it took.
+
+    Parameters
+    ----------
+    v : (lon, lat, spin) relative velocities at the end of the last step, in which the held forces acted
+    f_normal : fluctuation of the normal force
+    pulse : lateral force from outside that acts together with the creep forces
+    """
+    load = f_normal + parameters[P.normal_load]
+    held = (state[S.f_lon], state[S.f_lat], state[S.f_spin])
+    rise = f_normal - state[S.f_normal]
+    scale = parameters[P.mu0] * parameters[P.normal_load] + 1e-30
+    arm = derived[D.spin_arm]
+    s = S.newton
+    y = D.mobility
+    x0, x1, x2 = held[0] + state[S.d_lon], held[1] + state[S.d_lat], held[2] + state[S.d_spin]
+    correction = math.inf
+    damping = 1.0
+    evaluations = 0
+    while evaluations < MAX_EVALUATIONS:
+        d0, d1, d2 = x0 - held[0], x1 - held[1], x2 - held[2]
+        w = (
+            v[0] + derived[y] * d0 + derived[y + 1] * d1 + derived[y + 2] * d2 + derived[y + 3] * rise,
+            v[1] + derived[y + 4] * d0 + derived[y + 5] * d1 + derived[y + 6] * d2 + derived[y + 7] * rise,
+            v[2] + derived[y + 8] * d0 + derived[y + 9] * d1 + derived[y + 10] * d2 + derived[y + 11] * rise,
+        )
+        g = _law(parameters, derived, w[0], w[1], w[2], load)
+        evaluations += 1
+        r0 = g[0] - derived[D.f_lon] - x0
+        r1 = g[1] - derived[D.f_lat] + pulse - x1
+        r2 = g[2] - derived[D.f_spin] - x2
+        e0 = state[s] * r0 + state[s + 1] * r1 + state[s + 2] * r2
+        e1 = state[s + 3] * r0 + state[s + 4] * r1 + state[s + 5] * r2
+        e2 = state[s + 6] * r0 + state[s + 7] * r1 + state[s + 8] * r2
+        size = max(abs(e0), abs(e1), abs(e2) / arm) / scale
+        if size > 0.3 * correction:  # the kept matrix does not converge: renew it here
+            _renew_newton_matrix(parameters, derived, state, w, g, load)
+            evaluations += 3
+            if evaluations > MAX_EVALUATIONS // 2:
+                damping *= 0.7
+            e0 = state[s] * r0 + state[s + 1] * r1 + state[s + 2] * r2
+            e1 = state[s + 3] * r0 + state[s + 4] * r1 + state[s + 5] * r2
+            e2 = state[s + 6] * r0 + state[s + 7] * r1 + state[s + 8] * r2
+            size = max(abs(e0), abs(e1), abs(e2) / arm) / scale
+        x0 += damping * e0
+        x1 += damping * e1
+        x2 += damping * e2
+        correction = size
+        if size <= TOLERANCE:
+            break
+    return x0, x1, x2, evaluations
+
+
+@kernel
+def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
+    """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
+    cos = derived[D.cos]
+    sin = derived[D.sin]
+    v_lon = inputs[0] - inputs[4]
+    v_lat = cos * (inputs[1] - inputs[5]) - sin * (inputs[2] - inputs[6])
+    v_nor = sin * (inputs[1] - inputs[5]) + cos * (inputs[2] - inputs[6])
+    v_spin = inputs[3] - inputs[7]
+    if parameters[P.use_displacements] != 0.0:
+        deflection = -(sin * (inputs[8] - inputs[10]) + cos * (inputs[9] - inputs[11])) - 0.5 * h * v_nor
+    else:  # the backward rectangle is half a step ahead by itself
+        deflection = state[S.deflection] - h * v_nor
+    state[S.deflection] = deflection
+
+    load = normal_force(parameters, derived, deflection)
+    f_normal = load - parameters[P.normal_load]
+    pulse = 0.0
+    if state[S.elapsed] < parameters[P.pulse_duration]:
+        pulse = parameters[P.pulse_force] * math.sin(math.pi * state[S.elapsed] / parameters[P.pulse_duration])
+    x0, x1, x2, evaluations = _solve_creep_forces(parameters, derived, state, (v_lon, v_lat, v_spin), f_normal, pulse)
+    state[S.d_lon] = x0 - state[S.f_lon]
+    state[S.d_lat] = x1 - state[S.f_lat]
+    state[S.d_spin] = x2 - state[S.f_spin]
+    state[S.f_lon] = x0
+    state[S.f_lat] = x1
+    state[S.f_spin] = x2
+    state[S.f_normal] = f_normal
+
+    f_lat = cos * x1 + sin * f_normal
+    f_ver = -sin * x1 + cos * f_normal
+    outputs[0] = x0
+    outputs[1] = f_lat
+    outputs[2] = f_ver
+    outputs[3] = x2
+    outputs[4] = -x0
+    outputs[5] = -f_lat
+    outputs[6] = -f_ver
+    outputs[7] = -x2
+    _monitor(parameters, derived, outputs, (v_lon, v_lat, v_spin), (x0, x1 - pulse, x2), load, deflection)
+    outputs[18] = evaluations
+
+
+@kernel
+def _monitor(parameters, derived, outputs, v, x, load, deflection):  # type: ignore[no-untyped-def]
+    """Put out totals and monitors."""
+    velocity = parameters[P.rolling_velocity]
+    creep_lon = parameters[P.steady_creepage_lon] + v[0] / velocity
+    creep_lat = parameters[P.steady_creepage_lat] + v[1] / velocity
+    creep_spin = parameters[P.steady_creepage_spin] + v[2] / velocity
+    total_lon = derived[D.f_lon] + x[0]
+    total_lat = derived[D.f_lat] + x[1]
+    moment = derived[D.f_spin] + x[2]
+    outputs[8] = load
+    outputs[9] = total_lon
+    outputs[10] = total_lat
+    outputs[11] = moment
+    outputs[12] = creep_lon
+    outputs[13] = creep_lat
+    outputs[14] = creep_spin
+    outputs[15] = parameters[P.mu0] * falling_factor(
+        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
+        parameters[P.falling_ratio],
+        parameters[P.saturation_coefficient],
+    )
+    outputs[16] = deflection
+    outputs[17] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)
+
+
+@kernel
+def _turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
+    """Put the mobility rows lon, lat, spin over the columns lon, lat, spin, normal into `derived`, contact axes."""
+    c = derived[D.cos]
+    s = derived[D.sin]
+    m = P.mobility_lon_lon
+    lon_lon, lon_lat, lon_ver, lon_spin = parameters[m], parameters[m + 1], parameters[m + 2], parameters[m + 3]
+    lat_lat, lat_ver, lat_spin = parameters[m + 4], parameters[m + 5], parameters[m + 6]
+    ver_ver, ver_spin, spin_spin = parameters[m + 7], parameters[m + 8], parameters[m + 9]
+    y = D.mobility
+    derived[y] = lon_lon
+    derived[y + 1] = c * lon_lat - s * lon_ver
+    derived[y + 2] = lon_spin
+    derived[y + 3] = s * lon_lat + c * lon_ver
+    derived[y + 4] = derived[y + 1]
+    derived[y + 5] = c * c * lat_lat - 2.0 * c * s * lat_ver + s * s * ver_ver
+    derived[y + 6] = c * lat_spin - s * ver_spin
+    derived[y + 7] = c * s * (lat_lat - ver_ver) + (c * c - s * s) * lat_ver
+    derived[y + 8] = derived[y + 2]
+    derived[y + 9] = derived[y + 6]
+    derived[y + 10] = spin_spin
+    derived[y + 11] = s * lat_spin + c * ver_spin
+
+
+@kernel
+def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+    """Find the steady state and evaluate the contact at the initial inputs."""
+    a = parameters[P.semi_axis_lon]
+    b = parameters[P.semi_axis_lat]
+    c11, c22, c23 = creepage_coefficients(a, b, parameters[P.poisson_ratio])
+    derived[D.L1], derived[D.L2], derived[D.L3] = flexibilities(a, b, parameters[P.shear_modulus], c11, c22, c23)
+    derived[D.spin_arm] = math.sqrt(a * b)
+    derived[D.cos] = math.cos(parameters[P.contact_angle])
+    derived[D.sin] = math.sin(parameters[P.contact_angle])
+    derived[D.approach] = 1.5 * parameters[P.normal_load] / parameters[P.hertz_stiffness]
+    load = parameters[P.normal_load]
+    derived[D.f_lon], derived[D.f_lat], derived[D.f_spin] = _law(parameters, derived, 0.0, 0.0, 0.0, load)
+    for i in range(12):
+        derived[D.mobility + i] = 0.0
+    for i in range(STATE_SIZE):
+        state[i] = 0.0
+    for i in range(3):
+        state[S.newton + 4 * i] = 1.0
+    # without mobility the first evaluation is explicit: nothing is held before the start
+    _apply(parameters, derived, state, inputs, outputs, 0.0)
+    state[S.d_lon] = state[S.d_lat] = state[S.d_spin] = 0.0
+    _turn_mobility(parameters, derived)
+
+
+@kernel
+def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
+    """Advance to the end of the step, where the inputs are given, and put out the forces for the next one."""
+    state[S.elapsed] += h
+    _apply(parameters, derived, state, inputs, outputs, h)

@@ -1,0 +1,25 @@
+"""The rail components: modal data in, components that obey the contract out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..component import Component
+from ..modal import Modes, structure
+from ..modal_data import read_modal_data
+
+DATA = Path(__file__).parent / "data"
+
+
+def rail(modes: Modes | None = None) -> Component:
+    """Return the rail component, by default the one of the paper's cases."""
+    chosen = read_modal_data(DATA / "paper.toml").modes if modes is None else modes
+    return structure("rail", "Rail at the contact point: modal, four directions", chosen)
+
+
+def rigid_rail() -> Component:
+    """Return the rail that does not move: the same contract with no modes, so no velocity and no mobility."""
+    none = Modes(np.zeros(0), np.zeros(0), np.zeros((0, 4)))
+    return structure("rail_rigid", "Rigid rail: obeys the rail's contract and does not move", none)
