@@ -20,7 +20,11 @@ def kernel(function: Kernel) -> Kernel:
         return function
     import numba  # noqa: PLC0415 - optional
 
-    compiled: Kernel = numba.njit(cache=True, error_model="numpy")(function)
+    compiled: Kernel
+    try:
+        compiled = numba.njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
+        compiled = numba.njit(error_model="numpy")(function)
     return compiled
 
 

@@ -36,7 +36,7 @@ class Variable:
     start : value at instantiation; None where the component calculates it
     minimum, maximum : smallest and largest value that is accepted
     depends_on : for outputs: the names of the variables that it depends on during the run
-    initially_depends_on : for outputs and calculated parameters: the same in initialisation mode
+    initially_depends_on : for outputs and calculated parameters: the same in initialisation mode; None: on everything
     tunable : whether a parameter may change during the run
     """
 
@@ -50,7 +50,7 @@ class Variable:
     maximum: float = math.inf
     nominal: float = 1.0
     depends_on: tuple[str, ...] = ()
-    initially_depends_on: tuple[str, ...] = ()
+    initially_depends_on: tuple[str, ...] | None = ()
     tunable: bool = False
 
     def __post_init__(self) -> None:
@@ -107,32 +107,30 @@ class Component:
 
     def to_json(self) -> str:
         """Return this declaration as a JSON text that `from_json` reads back without loss."""
-        return json.dumps(asdict(self), indent=1)
+        return json.dumps(asdict(self), separators=(",", ":"))
 
     @classmethod
     def from_json(cls, text: str) -> Component:
         """Return the component that `to_json` wrote."""
         data: dict[str, Any] = json.loads(text)
         data["variables"] = tuple(
-            Variable(
-                **{
-                    **v,
-                    "depends_on": tuple(v["depends_on"]),
-                    "initially_depends_on": tuple(v["initially_depends_on"]),
-                }
-            )
-            for v in data["variables"]
+            Variable(**{k: tuple(x) if isinstance(x, list) else x for k, x in v.items()}) for v in data["variables"]
         )
         return cls(**data)
 
 
 class Instance:
-    """A running component: the five arrays and the kernels that work on them.
+    """A running component: one block of memory, five views of it, and the kernels that work on them.
 
     Parameters
     ----------
     component : Component
     parameters : values by name that differ from the start values; checked
+
+    Attributes
+    ----------
+    memory : everything that the future depends on; copy it to save the state, write it back to restore
+    parameters, derived, state, inputs, outputs : views of `memory`, what the kernels read and write
 
     Raises
     ------
@@ -142,15 +140,26 @@ class Instance:
 
     def __init__(self, component: Component, parameters: Mapping[str, float] | None = None) -> None:
         self.component = component
-        self.parameters: Vector = np.array([v.start for v in component.of("parameter")], dtype=float)
-        self.inputs: Vector = np.array([v.start or 0.0 for v in component.of("input")], dtype=float)
-        self.outputs: Vector = np.zeros(len(component.of("output")))
-        self.derived: Vector = np.zeros(component.derived_size)
-        self.state: Vector = np.zeros(component.state_size)
+        starts = [v.start for v in component.of("parameter")]
+        inputs = [v.start for v in component.of("input")]
+        sizes = (len(starts), component.derived_size, component.state_size, len(inputs), len(component.of("output")))
+        self.memory: Vector = np.zeros(sum(sizes))
+        views = np.split(self.memory, np.cumsum(sizes)[:-1])
+        self.parameters, self.derived, self.state, self.inputs, self.outputs = views
+        self.parameters[:] = starts
+        self.inputs[:] = inputs
         self._initialise = component.kernel("initialise")
         self._do_step = component.kernel("do_step")
         for name, value in (parameters or {}).items():
             self.set_parameter(name, value)
+
+    def place(self, index: int) -> int:
+        """Return where in `memory` the value of variable number `index` stands."""
+        variable = self.component.variables[index]
+        before = sum(v.causality == variable.causality for v in self.component.variables[:index])
+        n, d, s, i = (a.size for a in (self.parameters, self.derived, self.state, self.inputs))
+        offset = {"parameter": 0, "calculatedParameter": n, "input": n + d + s, "output": n + d + s + i}
+        return offset[variable.causality] + before
 
     def set_parameter(self, name: str, value: float) -> None:
         """Set one parameter by name, checked against its declared range."""
@@ -172,19 +181,3 @@ class Instance:
         """The calculated parameters by name."""
         names = [v.name for v in self.component.of("calculatedParameter")]
         return dict(zip(names, self.derived[: len(names)].tolist(), strict=True))
-
-    def snapshot(self) -> Vector:
-        """Return everything that the future depends on, as one array."""
-        return np.concatenate([self.parameters, self.derived, self.state, self.inputs, self.outputs])
-
-    def restore(self, snapshot: Vector) -> None:
-        """Go back to a snapshot, bit for bit."""
-        arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
-        if snapshot.size != sum(a.size for a in arrays):
-            raise ValueError(
-                f"{self.component.name}: the state has {snapshot.size} numbers, wanted {sum(a.size for a in arrays)}"
-            )
-        begin = 0
-        for array in arrays:
-            array[:] = snapshot[begin : begin + array.size]
-            begin += array.size

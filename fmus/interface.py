@@ -36,6 +36,29 @@ DISPLACEMENT_UNIT = {"lon": "m", "lat": "m", "ver": "m", "spin": "rad"}
 SHAPE_UNIT = {"lon": "kg^(-1/2)", "lat": "kg^(-1/2)", "ver": "kg^(-1/2)", "spin": "kg^(-1/2)/m"}
 MODAL_VELOCITY_UNIT = "kg^(1/2).m/s"
 
+UNITS: dict[str, dict[str, int] | None] = {
+    "1": {},
+    "s": {"s": 1},
+    "Hz": {"s": -1},
+    "m": {"m": 1},
+    "rad": {"rad": 1},
+    "m/s": {"m": 1, "s": -1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/m": {"rad": 1, "m": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N/m": {"kg": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "m/(N.s)": {"kg": -1, "s": 1},
+    "rad/(N.s)": {"rad": 1, "kg": -1, "m": -1, "s": 1},
+    "rad/(N.m.s)": {"rad": 1, "kg": -1, "m": -2, "s": 1},
+    "kg^(-1/2)": None,
+    "kg^(-1/2)/m": None,
+    "kg^(1/2).m/s": None,
+}
+"""Every unit in use, as exponents of SI base units; None where FMI's whole exponents cannot express it."""
+
 _FORCE_NOMINAL = {"lon": 1e3, "lat": 1e3, "ver": 1e3, "spin": 1.0}
 _VELOCITY_NOMINAL = {"lon": 1e-2, "lat": 1e-2, "ver": 1e-2, "spin": 1e-1}
 _DISPLACEMENT_NOMINAL = {"lon": 1e-6, "lat": 1e-6, "ver": 1e-6, "spin": 1e-5}

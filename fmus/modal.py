@@ -165,7 +165,6 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
         raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
     parameters = _modal_parameters(modes, n)
     moving = tuple(v.name for v in parameters if v.name.startswith(("shape", "initial_velocity")))
-    everything = tuple(v.name for v in parameters if not v.name.startswith("initial_velocity"))
     step = Variable(
         "step_size", "parameter", "s", "communication step that the mobilities y are given for",
         start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
@@ -183,7 +182,7 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     mobilities = tuple(
         Variable(
             p.name, "calculatedParameter", p.unit, p.description, nominal=p.nominal,
-            initially_depends_on=(*everything, step.name),
+            initially_depends_on=None,
         )
         for p in mobility_ports("y")
     )  # fmt: skip

@@ -28,13 +28,13 @@ def _tunable(name: str, unit: str, start: float, low: float, high: float, descri
 def _whole(name: str, start: int, description: str) -> Variable:
     """Declare a number of grid elements."""
     return Variable(
-        name, "parameter", "", description, kind="Integer", start=start, minimum=1, maximum=MAX_GRID, nominal=10
+        name, "parameter", "1", description, kind="Integer", start=start, minimum=1, maximum=MAX_GRID, nominal=10
     )
 
 
 def _switch(name: str, start: bool, description: str) -> Variable:
     """Declare a switch."""
-    return Variable(name, "parameter", "", description, kind="Boolean", start=start, minimum=0, maximum=1)
+    return Variable(name, "parameter", "1", description, kind="Boolean", start=start, minimum=0, maximum=1)
 
 
 PARAMETERS = (

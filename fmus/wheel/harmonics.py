@@ -47,6 +47,14 @@ class Body:
     stiffness: tuple[csr_matrix, csr_matrix, csr_matrix]
     mass: csr_matrix
 
+    def stiffness_of(self, n: int) -> csr_matrix:
+        """Return K of harmonic n, with the factor of the angle [N/m]."""
+        return _angle(n) * (self.stiffness[0] + n * self.stiffness[1] + n * n * self.stiffness[2])
+
+    def mass_of(self, n: int) -> csr_matrix:
+        """Return M of harmonic n, with the factor of the angle [kg]."""
+        return _angle(n) * self.mass
+
     @property
     def component(self) -> Index:
         """(unknowns,) which amplitude each unknown is of: RADIAL, TANGENTIAL or AXIAL."""
@@ -72,8 +80,8 @@ class HarmonicModes:
     vectors: Real
 
 
-def make_body(mesh: MeshQuad2, material: Material) -> Body:
-    """Return the matrices of the body whose cross-section is meshed.
+def make_body(mesh: MeshQuad2, material: Material, elements: Index | None = None) -> Body:
+    """Return the matrices of the body whose cross-section is meshed, or those of some of its elements.
 
     Notes
     -----
@@ -81,7 +89,7 @@ def make_body(mesh: MeshQuad2, material: Material) -> Body:
     e_0 = (u_r,r; u_r/r; u_z,z; u_theta,r - u_theta/r; u_theta,z; u_r,z + u_z,r) and
     e_1 = (0; u_theta/r; 0; -u_r/r; -u_z/r; 0). The integral over the angle gives pi, for n = 0 it gives 2 pi.
     """
-    basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=5)
+    basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=5, elements=elements)
     D = elasticity_matrix(material)
 
     def energy(a: Any, b: Any, r: Real) -> Real:
@@ -129,10 +137,8 @@ def harmonic_matrices(body: Body, n: int, symmetry: str, motion: str = "all") ->
     """
     if n < 0 or symmetry not in SYMMETRIES or (motion != "all" and n > 0):
         raise ValueError(f"harmonic n = {n}, {symmetry}, {motion}; n must be >= 0, {SYMMETRIES}, parts for n = 0 only")
-    angle = np.pi if n else 2 * np.pi
-    K = angle * (body.stiffness[0] + n * body.stiffness[1] + n * n * body.stiffness[2])
     T = _constraints(body, n, symmetry, motion)
-    return (T.T @ K @ T).tocsc(), (T.T @ (angle * body.mass) @ T).tocsc(), T
+    return (T.T @ body.stiffness_of(n) @ T).tocsc(), (T.T @ body.mass_of(n) @ T).tocsc(), T
 
 
 def harmonic_modes(
@@ -159,6 +165,11 @@ def harmonic_modes(
     order = np.argsort(frequency)
     order = order[frequency[order] < below_hz]
     return HarmonicModes(n, np.where(frequency < 1.0, 0.0, frequency)[order], T @ vectors[:, order])
+
+
+def _angle(n: int) -> float:
+    """Return the integral of the squared harmonic over the angle."""
+    return np.pi if n else 2 * np.pi
 
 
 def _strain_0(u: Any, r: Real) -> Real:
