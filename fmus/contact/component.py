@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 from ..component import Component, Variable
 from ..interface import contact_inputs, contact_outputs
 from .kernels import DERIVED_SIZE, STATE_SIZE
 from .parameters import PARAMETERS
 
 
-def contact() -> Component:
-    """Return the contact component with the parameters of the paper's Case 1."""
+def contact(mobility: Mapping[str, float] | None = None) -> Component:
+    """Return the contact component with the parameters of the paper's Case 1.
+
+    Parameters
+    ----------
+    mobility : start values of the interface mobility of the structures, by parameter name; default 0, which makes the
+        creep forces explicit
+    """
+    parameters = tuple(replace(p, start=(mobility or {}).get(p.name, p.start)) for p in PARAMETERS)
     inputs = tuple(
         Variable(p.name, "input", p.unit, p.description, start=0.0, nominal=p.nominal) for p in contact_inputs()
     )
     names = tuple(v.name for v in inputs)
-    parameters = tuple(p.name for p in PARAMETERS if not p.name.startswith("mobility"))
+    settings = tuple(p.name for p in parameters if not p.name.startswith("mobility"))
     outputs = tuple(
         Variable(
             p.name, "output", p.unit, p.description, nominal=p.nominal,
-            depends_on=names, initially_depends_on=names + parameters,
+            depends_on=names, initially_depends_on=names + settings,
         )
         for p in contact_outputs()
     )  # fmt: skip
     return Component(
         name="contact",
         description="Wheel/rail contact: Hertz spring, FASTSIM creep forces, falling or constant friction",
-        variables=(*inputs, *outputs, *PARAMETERS),
+        variables=(*inputs, *outputs, *parameters),
         derived_size=DERIVED_SIZE,
         state_size=STATE_SIZE,
         kernels="contact.kernels",

@@ -47,9 +47,7 @@ def _page(component: Component, version: str) -> str:
             ("Parameters", "parameter"),
         )
     )
-    return _PAGE.format(
-        name=component.name, description=escape(component.description), version=version, tables=tables
-    )
+    return _PAGE.format(name=component.name, description=escape(component.description), version=version, tables=tables)
 
 
 def _row(variable: Variable) -> str:

@@ -52,7 +52,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self._places = np.array([self.instance.place(i) for i in range(len(component.variables))])
         self._resolved: dict[tuple[str, tuple[int, ...]], NDArray[np.intp]] = {}
 
-    def to_xml(self, model_options: Any = None) -> Element:
+    def to_xml(self, *_options: Any) -> Element:
         """Return the model description."""
         return model_description(self.instance.component, self.release, self.content)
 
