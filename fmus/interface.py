@@ -27,6 +27,15 @@ DEFAULT_STEP = 5e-6
 DISPLACEMENT_DIRECTIONS = ("lat", "ver")
 """Displacements that the contact takes: they make the deflection along the contact normal."""
 
+STEP_SIZE = "step_size"
+"""Parameter of a structure: the communication step that its interface mobilities are given for."""
+
+INITIAL_VELOCITY = "initial_velocity"
+"""Parameters of a structure that begin with this are initial modal velocities."""
+
+PULSE_FORCE = "pulse_force"
+"""Parameter of the contact: amplitude of the lateral force pulse that starts the vibration."""
+
 PAIRS = tuple(combinations_with_replacement(DIRECTIONS, 2))
 """The upper triangle of a symmetric 4 x 4 matrix, row by row, as pairs of directions."""
 

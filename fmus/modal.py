@@ -17,9 +17,11 @@ from .component import Component, Variable
 from .interface import (
     DEFAULT_STEP,
     DIRECTIONS,
+    INITIAL_VELOCITY,
     MODAL_VELOCITY_UNIT,
     PAIRS,
     SHAPE_UNIT,
+    STEP_SIZE,
     mobility_ports,
     structure_inputs,
     structure_outputs,
@@ -164,9 +166,9 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     if n < len(modes):
         raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
     parameters = _modal_parameters(modes, n)
-    moving = tuple(v.name for v in parameters if v.name.startswith(("shape", "initial_velocity")))
+    moving = tuple(v.name for v in parameters if v.name.startswith(("shape", INITIAL_VELOCITY)))
     step = Variable(
-        "step_size", "parameter", "s", "communication step that the mobilities y are given for",
+        STEP_SIZE, "parameter", "s", "communication step that the mobilities y are given for",
         start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
     )  # fmt: skip
     inputs = tuple(
@@ -207,7 +209,7 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
         for j, d in enumerate(DIRECTIONS)
     ]
     blocks += [
-        ("initial_velocity", MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)
+        (INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)
     ]
     return tuple(
         Variable(

@@ -144,7 +144,8 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
 
     @staticmethod
     def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        return bytes([state["running"]]) + state["snapshot"]
+        data: bytes = bytes([state["running"]]) + state["snapshot"]
+        return data
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from ..component import Component, Instance, Variable
-from ..interface import STRUCTURES, UNITS, connections, mobility_ports
+from ..interface import STEP_SIZE, STRUCTURES, UNITS, connections, mobility_ports
 
 SSP_FOLDER = Path(__file__).parents[2] / "ssp"
 
@@ -72,7 +72,7 @@ def system_mobility(structures: list[Component], step_size: float) -> dict[str, 
     """Return the contact's mobility parameters: the sum of what the structures publish for a step size."""
     total = {port.name: 0.0 for port in mobility_ports("mobility")}
     for structure in structures:
-        instance = Instance(structure, {"step_size": step_size})
+        instance = Instance(structure, {STEP_SIZE: step_size})
         instance.initialise()
         for name, value in instance.calculated.items():
             total[f"mobility{name.removeprefix('y')}"] += value
@@ -94,8 +94,8 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
         parts = {"wheel": components["wheel"], "rail": components[case.rail], "contact": components["contact"]}
         mobility = system_mobility([parts[s] for s in STRUCTURES], case.step_size)
         values = {
-            "wheel": {"step_size": case.step_size},
-            "rail": {"step_size": case.step_size},
+            "wheel": {STEP_SIZE: case.step_size},
+            "rail": {STEP_SIZE: case.step_size},
             "contact": {**case.contact, **mobility},
         }
         for name, component in parts.items():
@@ -111,7 +111,8 @@ def _tag(prefix: str, name: str) -> str:
 
 def _text(root: Element) -> bytes:
     indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "utf-8", xml_declaration=False) + b"\n"
+    body: bytes = tostring(root, "utf-8", xml_declaration=False)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + body + b"\n"
 
 
 def _description(case: Case, parts: Mapping[str, Component]) -> Element:

@@ -14,9 +14,15 @@ DATA = Path(__file__).parent / "data"
 
 
 def rail(modes: Modes | None = None) -> Component:
-    """Return the rail component, by default the one of the paper's cases."""
-    chosen = read_modal_data(DATA / "paper.toml").modes if modes is None else modes
+    """Return the rail component, by default the accurate modal rail of the default track."""
+    chosen = read_modal_data(DATA / "rail.toml").modes if modes is None else modes
     return structure("rail", "Rail at the contact point: modal, four directions", chosen)
+
+
+def paper_rail() -> Component:
+    """Return the modal rail by the paper's method: cut-on frequencies and one extra mode at 20 kHz."""
+    modes = read_modal_data(DATA / "rail-paper.toml").modes
+    return structure("rail_paper", "Rail at the contact point: modal by the paper's method", modes)
 
 
 def rigid_rail() -> Component:

@@ -83,23 +83,34 @@ def wheelset_modes(
     the axle hardly moves, symmetric and antisymmetric modes coincide, and the symmetric ones stand for both with shapes
     normalised over one wheel.
     """
+    _, shapes = wheelset_shapes(section, refinement, harmonics, below_hz)
+    return [mode for mode, _ in shapes]
+
+
+def wheelset_shapes(
+    section: Section, refinement: int = REFINEMENT, harmonics: Iterable[int] = HARMONICS, below_hz: float = BELOW_HZ
+) -> tuple[Body, list[tuple[WheelMode, Real]]]:
+    """Return the meshed body and its modes with their shapes on it; see `wheelset_modes`.
+
+    The shapes are mass-normalised over half the wheelset, with any sign.
+    """
     cut = mesh_section(section, refinement)
     body = make_body(cut.mesh, section.material)
     observer = observe(body, cut)
-    return [
-        mode
+    return body, [
+        found
         for n in harmonics
         for symmetry in (("symmetric", "antisymmetric") if n < 2 else ("symmetric",))
-        for mode in sorted(_modes(body, observer, n, symmetry, below_hz), key=lambda mode: mode.frequency_hz)
+        for found in sorted(_modes(observer, n, symmetry, below_hz), key=lambda found: found[0].frequency_hz)
     ]
 
 
-def _modes(body: Body, observer: Observer, n: int, symmetry: str, below_hz: float) -> Iterator[WheelMode]:
-    """Yield the modes of one harmonic and symmetry."""
+def _modes(observer: Observer, n: int, symmetry: str, below_hz: float) -> Iterator[tuple[WheelMode, Real]]:
+    """Yield the modes of one harmonic and symmetry with their shapes."""
     for motion in ("axial", "torsion") if n == 0 else ("all",):
-        found = harmonic_modes(body, n, symmetry, below_hz, motion)
+        found = harmonic_modes(observer.body, n, symmetry, below_hz, motion)
         for frequency, shape in zip(found.frequency_hz, found.vectors.T, strict=True):
-            yield _mode(observer, n, symmetry, float(frequency), shape)
+            yield _mode(observer, n, symmetry, float(frequency), shape), shape
 
 
 def _mode(observer: Observer, n: int, symmetry: str, frequency: float, shape: Real) -> WheelMode:

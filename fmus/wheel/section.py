@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -138,11 +139,11 @@ class Section:
 
     def profile_radius(self, z: ArrayLike) -> Real:
         """Return r of the running profile [m]."""
-        return np.interp(z, *np.transpose(self.profile))
+        return _follow(self.profile, z)
 
     def axle_radius(self, z: ArrayLike) -> Real:
         """Return r of the axle's surface [m]."""
-        return np.interp(z, *np.transpose(self.axle))
+        return _follow(self.axle, z)
 
     def web_parameter(self, r: ArrayLike) -> Real:
         """Return t of the web at radius r: 0 at the rim, 1 at the hub."""
@@ -155,12 +156,12 @@ class Section:
         a, b = self.profile[0][0], self.profile[-1][0]
         c, d = self.hub_faces
         seat = float(self.axle_radius(c))
-        wheel = [
-            np.array(self.profile), [[b, self.rim_inner_radius]], np.column_stack([right, r]), [[d, self.hub_radius]],
-            [[d, seat], [c, seat], [c, self.hub_radius]], np.column_stack([left, r])[::-1], [[a, self.rim_inner_radius]],
-        ]  # fmt: skip
-        axle = [np.array(self.axle), [[self.axle[-1][0], 0.0], [0.0, 0.0]]]
-        return [np.vstack([*part, part[0][:1]]) for part in (wheel, axle)]
+        wheel = np.vstack([
+            self.profile, (b, self.rim_inner_radius), np.column_stack([right, r]), (d, self.hub_radius), (d, seat),
+            (c, seat), (c, self.hub_radius), np.column_stack([left, r])[::-1], (a, self.rim_inner_radius),
+            self.profile[:1],
+        ])  # fmt: skip
+        return [wheel, np.vstack([self.axle, (self.axle[-1][0], 0.0), (0.0, 0.0), self.axle[:1]])]
 
     def _check_radii(self) -> None:
         """Check that the parts follow each other outwards and the hub sits on a cylinder."""
@@ -174,7 +175,7 @@ class Section:
         if np.ptp(seat) > 1e-9:
             raise ValueError("section: the axle's radius changes under the hub; the seat must be a cylinder")
         radii = [float(seat[0]), self.hub_radius, self.rim_inner_radius, min(r for _, r in self.profile)]
-        if not all(a < b for a, b in zip(radii, radii[1:], strict=False)):
+        if not all(a < b for a, b in pairwise(radii)):
             raise ValueError(
                 "section: the outline intersects itself: radii of seat, hub, rim inside and running profile are "
                 f"{', '.join(f'{r:g}' for r in radii)} m; must increase"
@@ -202,9 +203,14 @@ class Section:
             raise ValueError(f"section: the contact point z = {z:g}, r = {r:g} m is not on the running profile")
 
 
+def _follow(line: Profile, z: ArrayLike) -> Real:
+    """Return r of a line of (z, r) at the given z."""
+    return np.asarray(np.interp(np.asarray(z, dtype=float), *np.transpose(line)))
+
+
 def _check_line(name: str, line: Profile) -> None:
     """Check that a line of (z, r) goes outwards and stays off the axis."""
-    if len(line) < 2 or any(b[0] <= a[0] for a, b in zip(line, line[1:], strict=False)):
+    if len(line) < 2 or any(b[0] <= a[0] for a, b in pairwise(line)):
         raise ValueError(f"section: the outline intersects itself: z of the {name} must increase from point to point")
     if min(r for _, r in line) <= 0:
         raise ValueError(f"section: the outline intersects itself: r of the {name} must be > 0")
@@ -246,7 +252,12 @@ def _section(data: dict[str, Any]) -> Section:
         profile=_points(data["rim"]["profile_m"]),
         rim_inner_radius=data["rim"]["inner_radius_m"],
         web=Web(
-            *(web[f"{name}_m"] for name in list(Web.__dataclass_fields__)[:6]),
+            rim_position=web["rim_position_m"],
+            hub_position=web["hub_position_m"],
+            bulge=web["bulge_m"],
+            rim_thickness=web["rim_thickness_m"],
+            hub_thickness=web["hub_thickness_m"],
+            extra_thickness=web["extra_thickness_m"],
             fillet_growth=web["fillet_growth"],
             fillet_length=web["fillet_length"],
         ),

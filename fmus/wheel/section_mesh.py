@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +119,7 @@ def _divide(corners: Iterable[float], size: float, refinement: int) -> Real:
     ordered = sorted(corners)
     kept = [z for i, z in enumerate(ordered) if i == 0 or z - ordered[i - 1] > _SAME]
     lines = [np.array(kept[:1])]
-    for a, b in zip(kept, kept[1:], strict=False):
+    for a, b in pairwise(kept):
         count = refinement * max(1, round((b - a) / size))
         lines.append(a + (b - a) * np.arange(1, count + 1) / count)
     return np.concatenate(lines)

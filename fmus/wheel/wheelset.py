@@ -2,7 +2,8 @@
 
 The table has one row per mode of an axisymmetric wheelset, with amplitudes in cylindrical coordinates at the nominal
 contact point: `u_r` outwards, `u_z` away from mid-axle, `u_theta`. A row with n >= 1 is a doublet: its cosine family
-moves the contact laterally and vertically, its sine family longitudinally and in spin.
+moves the contact laterally and vertically, its sine family longitudinally and in spin. `finite_elements.py` writes such
+tables.
 """
 
 from __future__ import annotations
@@ -111,7 +112,8 @@ def _read_table(path: Path) -> list[dict[str, Any]]:
                 row: dict[str, Any] = {c: float(text[c]) for c in COLUMNS if c != "symmetry"}
             except (TypeError, ValueError) as error:
                 raise ValueError(f"{path.name}, line {line}: {error}") from None
-            rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"]})
+            label = text.get("label") or f"n={int(row['n'])}"
+            rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"], "label": label})
     return rows
 
 
@@ -129,7 +131,7 @@ def _impose(rows: list[dict[str, Any]], settings: dict[str, Any], path: Path) ->
             row["label"] = f"rigid n={row['n']} {row['symmetry']}"
             continue
         order[key] = order.get(key, 0) + 1
-        row["label"] = f"n={row['n']} {row['symmetry']} #{order[key]}"
+        row["label"] += f" {row['symmetry']} #{order[key]}"
         found = imposed.pop((*key, order[key]), None)
         if found:
             row.update(frequency_hz=found["frequency_hz"], label=found["label"])

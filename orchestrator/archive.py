@@ -1,0 +1,95 @@
+"""Unpacking of FMUs and SSPs from anywhere: nothing in an archive may reach outside its folder or fill the disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import stat
+import tempfile
+import zipfile
+from pathlib import Path, PurePosixPath
+
+from platformdirs import user_cache_path
+
+from .errors import InputError
+
+LARGEST_CONTENT = 2 << 30
+"""Largest total size of an unpacked archive [bytes]."""
+
+LARGEST_COUNT = 20_000
+"""Largest number of files in an archive."""
+
+
+def sha256(path: Path) -> str:
+    """Return the SHA-256 checksum of a file, in hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def unpack(path: Path, what: str) -> Path:
+    """Return a folder with the content of a zip file; the same content gives the same folder, unpacked once.
+
+    Parameters
+    ----------
+    path : the archive
+    what : "FMU" or "SSP", for messages
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no zip file, or has entries that are not safe to unpack.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such {what} file")
+    if not zipfile.is_zipfile(path):
+        raise InputError(f"{path}: not a zip archive, so not an {what}")
+    target = cache_folder() / sha256(path)[:32]
+    if target.is_dir():
+        return target
+    temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix="unpacking-"))
+    try:
+        with zipfile.ZipFile(path) as archive:
+            _check_entries(archive, path)
+            archive.extractall(temporary)
+    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise InputError(f"{path}: cannot be unpacked: {error}") from None
+    except InputError:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+    try:
+        temporary.rename(target)
+    except OSError:  # another process was faster
+        shutil.rmtree(temporary, ignore_errors=True)
+    return target
+
+
+def cache_folder() -> Path:
+    """Return the folder for unpacked archives; CURVESQUEAL_CACHE names another one.
+
+    PythonFMU cannot load from a path with `#`, `%` or letters outside ASCII; then a temporary folder is used.
+    """
+    folder = Path(os.environ.get("CURVESQUEAL_CACHE") or user_cache_path("curvesqueal")).absolute()
+    text = str(folder)
+    if not text.isascii() or "#" in text or "%" in text:
+        folder = Path(tempfile.gettempdir()) / f"curvesqueal-{os.getuid() if hasattr(os, 'getuid') else ''}"
+    folder = folder / "unpacked"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _check_entries(archive: zipfile.ZipFile, path: Path) -> None:
+    """Refuse absolute names, names with `..`, links, and contents that are too large."""
+    entries = archive.infolist()
+    if len(entries) > LARGEST_COUNT:
+        raise InputError(f"{path}: holds {len(entries)} files; at most {LARGEST_COUNT} are accepted")
+    for entry in entries:
+        name = PurePosixPath(entry.filename.replace("\\", "/"))
+        if name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
+            raise InputError(f"{path}: entry {entry.filename!r} would be unpacked outside the folder; refused")
+        if stat.S_ISLNK(entry.external_attr >> 16):
+            raise InputError(f"{path}: entry {entry.filename!r} is a link; refused")
+    total = sum(entry.file_size for entry in entries)
+    if total > LARGEST_CONTENT:
+        raise InputError(f"{path}: unpacks to {total / 2**30:.1f} GiB; at most {LARGEST_CONTENT >> 30} are accepted")

@@ -1,0 +1,9 @@
+"""What can go wrong, by whose fault it is. Every message is one sentence: what, where, wanted, got."""
+
+
+class InputError(Exception):
+    """The user gave something that cannot be used: a file, a name, a value."""
+
+
+class SimulationError(Exception):
+    """A component failed during the run; what was computed until then is kept."""

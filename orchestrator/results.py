@@ -1,0 +1,115 @@
+"""Results on disk: NetCDF files that are readable at every moment of a run.
+
+The file is classic NetCDF (64-bit offset): a header, then one record per row with all signals side by side, and the
+number of records at a fixed place of the header. Rows are appended and then counted, so that a run that is killed
+leaves a file with everything up to the last append. The header is written by the NetCDF library.
+"""
+
+from __future__ import annotations
+
+import csv
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from .errors import InputError
+
+_COUNT_POSITION = 4
+"""Position of the number of records in a classic NetCDF file [bytes]."""
+
+
+class ResultsFile:
+    """A results file that is being written.
+
+    Parameters
+    ----------
+    path : file to create; its folder is created too
+    signals : name, unit and description of each column after time
+    attributes : what the file says of itself
+    """
+
+    def __init__(
+        self, path: Path, signals: Sequence[tuple[str, str, str]], attributes: Mapping[str, str | float | int]
+    ) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as data:
+            data.createDimension("time", None)
+            time = data.createVariable("time", "f8", ("time",))
+            time.units, time.long_name = "s", "time at the end of a step"
+            for name, unit, description in signals:
+                variable = data.createVariable(name, "f4", ("time",))
+                variable.units, variable.long_name = unit, description
+            data.setncatts(dict(attributes))
+        self.path = path
+        self.rows = 0
+        self._layout = np.dtype([("time", ">f8"), ("signals", ">f4", (len(signals),))])
+        self._file = path.open("r+b")
+        self._file.seek(0, 2)
+
+    def append(self, time: NDArray[np.float64], signals: NDArray[np.float64]) -> None:
+        """Append rows: times (n,) [s] and signals (n, columns)."""
+        rows = np.empty(time.size, self._layout)
+        rows["time"] = time
+        rows["signals"] = signals
+        self._file.seek(0, 2)
+        self._file.write(rows.tobytes())
+        self._file.flush()
+        self.rows += time.size
+        self._file.seek(_COUNT_POSITION)
+        self._file.write(struct.pack(">i", self.rows))
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> ResultsFile:
+        """Return the file itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the file."""
+        self.close()
+
+
+def open_results(path: Path) -> xr.Dataset:
+    """Return the results in a file, loaded lazily.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or holds no results.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such results file")
+    try:
+        data = xr.open_dataset(path, engine="netcdf4", decode_times=False)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: is not a results file: {error}") from None
+    if "time" not in data.dims:
+        raise InputError(f"{path}: holds no time axis, so it is not a results file of curvesqueal")
+    return data
+
+
+def write_csv(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:
+    """Write results as CSV: a header with name and unit, then one line per row."""
+    names = ["time", *data.data_vars]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{name} [{data[name].attrs.get('units', '')}]" for name in names])
+        for part in _parts(data, rows_at_once):
+            columns = np.column_stack([part[name].to_numpy() for name in names])
+            writer.writerows([f"{value:.9g}" for value in row] for row in columns)
+
+
+def _parts(data: xr.Dataset, rows: int) -> Iterator[xr.Dataset]:
+    for begin in range(0, data.sizes["time"], rows):
+        yield data.isel(time=slice(begin, begin + rows)).load()
