@@ -62,6 +62,7 @@ class Progress:
 
     Attributes
     ----------
+    total : steps of the whole run
     steps : steps made
     wall : wall time in the loop [s]
     energy_residual : energy that the scheme adds, by direction [J]
@@ -69,6 +70,7 @@ class Progress:
     stopped : whether a stop was requested before the end
     """
 
+    total: int
     steps: int = 0
     wall: float = 0.0
     energy_residual: dict[str, float] = field(default_factory=dict)
@@ -234,7 +236,7 @@ class Master:
         SimulationError
             If a component fails or puts out what is not a number; `results` keeps what was computed until then.
         """
-        progress = Progress()
+        progress = Progress(self.settings.steps)
         for times, rows in self._chunks(progress):
             if results is not None and times.size:
                 results.append(times, rows)

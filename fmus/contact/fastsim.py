@@ -31,15 +31,31 @@ def flexibilities(
 
 
 @kernel
-def fastsim(xi, eta, phi, bound, a, b, L1, L2, L3, cells, strips):  # type: ignore[no-untyped-def]
+def bound_volume(a: float, b: float, cells: int, strips: int) -> float:
+    """Return the integral over the grid of 1 - (x/a)^2 - (y/b)^2 [m^2]; pi a b / 2 for a fine grid.
+
+    The traction bound is normalised with it, so that full sliding gives exactly the friction force on any grid.
+    """
+    total = 0.0
+    for j in range(strips):
+        y = (2.0 * j + 1.0) / strips - 1.0
+        width = math.sqrt(1.0 - y * y)
+        total += width * width * width
+    along = 4.0 / 3.0 + 2.0 / (3.0 * cells * cells)
+    return total * (2.0 * b / strips) * a * along
+
+
+@kernel
+def fastsim(xi, eta, phi, peak, a, b, L1, L2, L3, cells, strips):  # type: ignore[no-untyped-def]
     """Return the creep forces on the upper body: longitudinal and lateral [N], spin moment [N.m].
 
     Parameters
     ----------
     xi, eta, phi : float
         Longitudinal and lateral creepage [-], spin creepage [1/m].
-    bound : float
-        Friction coefficient times normal force [N]; <= 0 gives no force.
+    peak : float
+        Traction bound at the centre [Pa]: friction coefficient times normal force over `bound_volume`; <= 0 gives no
+        force.
     a, b : float
         Semi-axes in the rolling and in the lateral direction [m].
     L1, L2, L3 : float
@@ -52,10 +68,9 @@ def fastsim(xi, eta, phi, bound, a, b, L1, L2, L3, cells, strips):  # type: igno
     Each strip is as long as the ellipse is there and is followed from its leading to its trailing edge; the traction
     grows with the rigid slip and is cut to the bound. Creepages are positive when the upper body moves forward.
     """
-    if bound <= 0.0:
+    if peak <= 0.0:
         return 0.0, 0.0, 0.0
     f_lon = f_lat = moment = 0.0
-    peak = 2.0 * bound / (math.pi * a * b)
     dy = 2.0 * b / strips
     for j in range(strips):
         y = -b + (j + 0.5) * dy

@@ -15,7 +15,7 @@ g the friction law and Y the interface mobility of wheel and rail together, by a
 import math
 
 from ..compile import kernel, positions
-from .fastsim import fastsim, flexibilities
+from .fastsim import bound_volume, fastsim, flexibilities
 from .friction import falling_factor
 from .kalker import creepage_coefficients
 from .parameters import P
@@ -27,7 +27,9 @@ S = positions(
 """Layout of the state: forces that are held now (fluctuations, contact axes), how much the creep forces changed in the
 last step, time, integrated deflection, Newton matrix (3 x 3)."""
 
-D = positions("D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "mobility"))
+D = positions(
+    "D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "volume", "mobility")
+)
 """Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (3 x 4)."""
 
 STATE_SIZE = S.newton + 9
@@ -62,7 +64,7 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
         creep_lon,
         creep_lat,
         creep_spin,
-        parameters[P.mu0] * load,
+        parameters[P.mu0] * load / derived[D.volume],
         parameters[P.semi_axis_lon],
         parameters[P.semi_axis_lat],
         derived[D.L1],
@@ -276,6 +278,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     b = parameters[P.semi_axis_lat]
     c11, c22, c23 = creepage_coefficients(a, b, parameters[P.poisson_ratio])
     derived[D.L1], derived[D.L2], derived[D.L3] = flexibilities(a, b, parameters[P.shear_modulus], c11, c22, c23)
+    derived[D.volume] = bound_volume(a, b, int(parameters[P.grid_cells]), int(parameters[P.grid_strips]))
     derived[D.spin_arm] = math.sqrt(a * b)
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])

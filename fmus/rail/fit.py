@@ -30,6 +30,9 @@ FIT_BAND_HZ = (28.0, 5500.0)
 MOST_MODES = 8
 FEWEST_FREQUENCIES = 20
 
+_SOFTEST = 1.5
+"""Static receptance over the largest in the data: more than this is penalised."""
+
 _NEPER = np.array([20 / np.log(10), 180 / np.pi])
 """dB per neper and degrees per radian: what the real and imaginary part of a complex logarithm become."""
 
@@ -248,6 +251,22 @@ def _excess(w: Real, p: Real) -> tuple[Real, Real, Real]:
     return beyond * active, by_natural, by_damping
 
 
+def _static_excess(target: Complex, p: Real) -> tuple[float, Real]:
+    """Return by how much the logarithm of the static receptance is too large, and its slopes over the variables.
+
+    Notes
+    -----
+    Data begin somewhere; below them a slow mode could make the rail many times too soft. So at rest it is to be no
+    softer than `_SOFTEST` times the largest receptance in the data.
+    """
+    share = np.exp(p[2] - 2 * p[0])
+    beyond = float(np.log(share.sum() / (_SOFTEST * np.abs(target).max())))
+    if beyond <= 0:
+        return 0.0, np.zeros(p.size)
+    share = share / share.sum()
+    return beyond, np.concatenate([-2 * share, 0 * share, share])
+
+
 def _modal(w: Real, logarithms: Real) -> Complex:
     """Return the receptance of each mode, (m, n)."""
     natural, zeta, squared = np.exp(logarithms)
@@ -274,7 +293,8 @@ def _polish(w: Real, target: Complex, p: Real, evaluations: int = 200) -> tuple[
     def residual(x: Real) -> Real:
         q = np.clip(x.reshape(p.shape), -60, 60)
         fitted = _modal(w, q).sum(axis=1)
-        return np.concatenate([_parted(np.log(fitted / target)[:, None], w)[:, 0], _excess(w, q)[0]])
+        beyond = [_excess(w, q)[0], [_static_excess(target, q)[0]]]
+        return np.concatenate([_parted(np.log(fitted / target)[:, None], w)[:, 0], *beyond])
 
     def jacobian(x: Real) -> Real:
         q = np.clip(x.reshape(p.shape), -60, 60)
@@ -285,7 +305,7 @@ def _polish(w: Real, target: Complex, p: Real, evaluations: int = 200) -> tuple[
         slopes = np.hstack([by_natural, by_damping, modal]) / modal.sum(axis=1)[:, None]
         own = np.tile(np.eye(p.shape[1]), (4, 1))
         bounds = [own * slope[:, None] for slope in _excess(w, q)[1:]]
-        return np.vstack([_parted(slopes, w), np.hstack([*bounds, np.zeros_like(own)])])
+        return np.vstack([_parted(slopes, w), np.hstack([*bounds, 0 * own]), _static_excess(target, q)[1]])
 
     found = least_squares(residual, p.ravel(), jac=jacobian, method="lm", max_nfev=evaluations, xtol=1e-9, ftol=1e-9)
     return found.x.reshape(p.shape), 2 * float(found.cost)

@@ -119,11 +119,11 @@ def _contact_rows(body: Body, cut: SectionMesh) -> tuple[csr_matrix, csr_matrix]
     touching = np.flatnonzero((cut.mesh.t == vertex).any(axis=0))
     corners = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
     basis = Basis(cut.mesh, body.basis.elem, elements=touching, quadrature=(corners, np.ones(4)))
-    distance = np.linalg.norm(basis.global_coordinates().value - point[:, None, None], axis=0)
+    distance = np.linalg.norm(np.asarray(basis.global_coordinates()) - point[:, None, None], axis=0)
     value, slope = np.zeros((2, 3, body.basis.N))
     for dofs, (function,) in zip(basis.element_dofs, basis.basis, strict=True):
         for element, corner in enumerate(distance.argmin(axis=1)):
-            value[:, dofs[element]] += function.value[:, element, corner] / len(touching)
+            value[:, dofs[element]] += np.asarray(function)[:, element, corner] / len(touching)
             slope[:, dofs[element]] += function.grad[:, 0, element, corner] / len(touching)
     return csr_matrix(value), csr_matrix(slope)
 

@@ -226,9 +226,8 @@ def read_section(path: Path) -> Section:
     ValueError
         For a missing dimension, one that is no number, or a geometry that `Section` refuses.
     """
-    data = tomllib.loads(path.read_text(encoding="utf-8"))
     try:
-        return _section(data)
+        return _section(tomllib.loads(path.read_text(encoding="utf-8")))
     except KeyError as error:
         raise ValueError(f"{path.name}: {error.args[0]!r} is missing") from None
     except (TypeError, AttributeError) as error:
@@ -261,7 +260,7 @@ def _section(data: dict[str, Any]) -> Section:
             fillet_growth=web["fillet_growth"],
             fillet_length=web["fillet_length"],
         ),
-        hub_faces=(data["hub"]["faces_m"][0], data["hub"]["faces_m"][1]),
+        hub_faces=_pair(data["hub"]["faces_m"]),
         hub_radius=data["hub"]["radius_m"],
         axle=_points(data["axle"]["profile_m"]),
     )
@@ -269,4 +268,11 @@ def _section(data: dict[str, Any]) -> Section:
 
 def _points(pairs: list[list[float]]) -> Profile:
     """Return a list of pairs as tuples of floats."""
-    return tuple((float(z), float(r)) for z, r in pairs)
+    return tuple(_pair(pair) for pair in pairs)
+
+
+def _pair(values: list[float]) -> tuple[float, float]:
+    """Return two numbers."""
+    if len(values) != 2:
+        raise ValueError(f"{values} must be a pair of numbers")
+    return float(values[0]), float(values[1])

@@ -82,14 +82,17 @@ def read_wheelset(path: Path) -> Wheelset:
 def contact_shape(row: dict[str, Any], family: str, radius: float) -> list[float]:
     """Return the shape at the contact point in lon, lat, ver, spin.
 
-    The contact point is the lowest point of the wheel, so upwards is -u_r; the lateral axis points to the gauge side,
-    so it is -u_z, and the spin axis turns with it. Torsional modes (n = 0) move the contact point along the track only.
+    Notes
+    -----
+    The contact point is the lowest point of the wheel (theta = 0), so upwards is -u_r; the lateral axis points to the
+    gauge side, so it is -u_z, and longitudinally u_theta completes a right-handed system. The sine family is the cosine
+    family turned by a quarter of a period, here with the sign (-u_r sin, u_theta cos, -u_z sin); its rotation about the
+    vertical, -1/2 (du_z/(r dtheta) - du_theta/dz), is 1/2 (n u_z/R + du_theta/dz). A wheelset that yaws rigidly has it
+    equal to its yaw; the difference in place of the sum would be a shear strain.
     """
     if family == "cosine":
         return [0.0, -row["u_z"], -row["u_r"], 0.0]
-    if row["n"] == 0:
-        return [row["u_theta"], 0.0, 0.0, 0.0]
-    return [row["u_theta"], 0.0, 0.0, -0.5 * (row["n"] * row["u_z"] / radius - row["du_theta_dz"])]
+    return [row["u_theta"], 0.0, 0.0, 0.5 * (row["n"] * row["u_z"] / radius + row["du_theta_dz"])]
 
 
 def _families(row: dict[str, Any]) -> tuple[str, ...]:
@@ -112,8 +115,7 @@ def _read_table(path: Path) -> list[dict[str, Any]]:
                 row: dict[str, Any] = {c: float(text[c]) for c in COLUMNS if c != "symmetry"}
             except (TypeError, ValueError) as error:
                 raise ValueError(f"{path.name}, line {line}: {error}") from None
-            label = text.get("label") or f"n={int(row['n'])}"
-            rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"], "label": label})
+            rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"], "label": text.get("label") or ""})
     return rows
 
 
@@ -131,7 +133,8 @@ def _impose(rows: list[dict[str, Any]], settings: dict[str, Any], path: Path) ->
             row["label"] = f"rigid n={row['n']} {row['symmetry']}"
             continue
         order[key] = order.get(key, 0) + 1
-        row["label"] += f" {row['symmetry']} #{order[key]}"
+        name = row["label"] if row["label"].startswith("(") else f"{row['label']} n={row['n']}".strip()
+        row["label"] = f"{name} {row['symmetry']} #{order[key]}"
         found = imposed.pop((*key, order[key]), None)
         if found:
             row.update(frequency_hz=found["frequency_hz"], label=found["label"])

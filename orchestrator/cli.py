@@ -1,0 +1,211 @@
+"""The command line `curvesqueal`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import click
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from fmus.interface import DIRECTIONS
+
+from . import master, running
+from .algorithms import ALGORITHMS
+from .errors import InputError, SimulationError
+from .scenario import Scenario, built_ssp, parse_sources, parse_values
+
+app = typer.Typer(
+    name="curvesqueal",
+    help="Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+messages = Console(stderr=True)
+screen = Console()
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+
+@app.command()
+def build(
+    out: Annotated[Path, typer.Option(help="Folder for the FMUs and the SSP.")] = Path("build"),
+    json: Json = False,
+) -> None:
+    """Build the FMUs (wheel, rail, rail-rigid, contact) and the SSP that couples them."""
+    from fmus.packaging import build as building  # noqa: PLC0415 - compiles kernels
+
+    files: list[Path] = []
+
+    def report(path: Path) -> None:
+        files.append(path)
+        if not json:
+            screen.print(f"{path}  ({path.stat().st_size / 1000:.0f} kB)", highlight=False)
+
+    try:
+        building.build(out, report)
+    except OSError as error:
+        raise InputError(f"{out}: cannot write there: {error.strerror or error}") from None
+    if json:
+        screen.print_json(data={"files": [str(path) for path in files]})
+
+
+@app.command()
+def run(  # noqa: PLR0913, PLR0917 - one argument per option
+    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
+    step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
+    algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
+    values: Annotated[
+        list[str] | None, typer.Option("--set", help="Parameter, such as contact.mu0=0.35. Repeatable.")
+    ] = None,
+    replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
+    record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
+    out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    csv: Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")] = False,
+    json: Json = False,
+) -> None:
+    """Simulate a case of the paper or any system of co-simulation FMUs.
+
+    Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
+    """
+    scenario = Scenario(
+        system=system,
+        duration=duration,
+        step=step,
+        algorithm=algorithm,
+        values=parse_values(values or []),
+        sources=parse_sources(replace or []),
+        seed=seed,
+        record_every=record_every,
+    )
+    with _progress_bar() as report:
+        outcome = running.run_scenario(scenario, out, csv, report, _notice)
+    if json:
+        typer.echo(running.as_json(outcome))
+    else:
+        _show(outcome)
+    if outcome.error is not None:
+        raise SimulationError(f"{outcome.error}; results up to then are in {outcome.results}")
+    if outcome.progress.stopped:
+        messages.print(f"stopped; results up to then are in {outcome.results}", highlight=False)
+        raise typer.Exit(130)
+
+
+def _notice(text: str) -> None:
+    messages.print(f"note: {text}", highlight=False)
+
+
+@contextmanager
+def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
+    """Show a bar on the error stream, with simulated time and time to go."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
+    with Progress(*columns, console=messages, transient=True) as bar:
+        task = bar.add_task("loading", total=None, now="")
+
+        def report(progress: master.Progress) -> None:
+            bar.update(
+                task,
+                description="simulating",
+                total=progress.total,
+                completed=progress.steps,
+                now=f"{progress.steps / progress.total:.0%}",
+            )
+
+        yield report
+
+
+def _show(outcome: running.Outcome) -> None:
+    """Print the table of a run."""
+    s, p = outcome.summary, outcome.progress
+    time = p.steps * outcome.settings.step
+    title = (
+        f"{outcome.case}: {time:g} s in {p.steps} steps of {outcome.settings.step:g} s ({outcome.settings.algorithm})"
+    )
+    table = Table(title=title, title_justify="left")
+    for heading in ("", *DIRECTIONS):
+        table.add_column(heading, justify="right" if heading else "left")
+    rows = (
+        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms),
+        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms),
+        ("energy into wheel and rail [J]", p.energy_into_structures),
+        ("energy residual of the coupling [J]", p.energy_residual),
+    )
+    for label, numbers in rows:
+        table.add_row(label, *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+    screen.print(table)
+    lines = {
+        "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
+        "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
+        "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
+        "results": str(outcome.results),
+        "picture": str(outcome.picture),
+    }
+    for label, text in lines.items():
+        screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def info(
+    file: Annotated[Path, typer.Argument(help="An .fmu, .ssp or .ssd file.")],
+    json: Json = False,
+) -> None:
+    """Show what is inside an FMU or a system."""
+    from . import inspection  # noqa: PLC0415 - keeps the start of the other commands short
+
+    description = inspection.describe(file)
+    if json:
+        screen.print_json(data=description)
+    else:
+        for table in inspection.tables(description):
+            screen.print(table)
+
+
+@app.command()
+def friction(
+    out: Annotated[Path, typer.Option(help="Picture to write.")] = Path("results/friction.png"),
+    contact: Annotated[Path | None, typer.Option(help="Contact FMU; default: the project's own.")] = None,
+    json: Json = False,
+) -> None:
+    """Draw both friction curves of the paper (Fig. 5) from the contact FMU."""
+    from .archive import unpack  # noqa: PLC0415
+    from .figures import draw_friction  # noqa: PLC0415
+    from .friction_curve import friction_curve  # noqa: PLC0415
+
+    fmu = contact or unpack(built_ssp(), "SSP") / "resources" / "contact.fmu"
+    creepage = np.concatenate([np.linspace(0.0, 0.006, 61), np.linspace(0.0065, 0.05, 88)])
+    curves = {
+        "constant friction": friction_curve(fmu, creepage, {"falling_ratio": 0.0}),
+        "falling friction": friction_curve(fmu, creepage),
+    }
+    out.parent.mkdir(parents=True, exist_ok=True)
+    draw_friction(creepage, curves, out)
+    if json:
+        screen.print_json(data={"creepage": creepage.tolist(), **{k: v.tolist() for k, v in curves.items()}})
+    else:
+        screen.print(str(out), highlight=False)
+
+
+def main() -> None:
+    """Run the command line; a user's mistake is one sentence and a non-zero exit."""
+    try:
+        app(standalone_mode=False)
+    except (InputError, SimulationError) as error:
+        messages.print(f"curvesqueal: {error}", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        messages.print("interrupted")
+        sys.exit(130)

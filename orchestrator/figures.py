@@ -1,0 +1,91 @@
+"""Pictures of a run and of the friction law: data in, PNG files out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .analysis import sample_interval, spectrum
+
+STYLE: Any = {
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+}
+
+COLOURS = {"wheel": "#0b5394", "rail": "#c2570c"}
+LINES = {"wheel": "-", "rail": "--"}
+WORDS = {"lat": "Lateral", "ver": "Vertical"}
+
+SHOWN_HZ = 6000.0
+DECADES = 1e-6
+POINTS = 2000
+
+
+def draw_run(data: xr.Dataset, path: Path) -> None:
+    """Draw velocity histories, their last periods and spectra of wheel and rail, as in Figs 8 to 11 of the paper."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11, 6.5))
+        axes = figure.subplots(
+            2, 3, gridspec_kw={"left": 0.07, "right": 0.98, "bottom": 0.08, "top": 0.88, "wspace": 0.27, "hspace": 0.32}
+        )
+        figure.suptitle(f"{data.attrs.get('title', '')}: velocity at the contact point")
+        for row, direction in zip(axes, ("lat", "ver"), strict=True):
+            for component in ("wheel", "rail"):
+                name = f"{component}.v_{direction}"
+                if name in data:
+                    _draw_signal(row, data, name, component)
+            row[0].set(ylabel=f"{WORDS[direction]} velocity [m/s]", xlabel="Time [s]")
+            row[1].set(xlabel="Time [s]", title="last 10 ms")
+            row[2].set(
+                xlabel="Frequency [Hz]", ylabel="Velocity amplitude [m/s]", title="second half", yscale="log",
+                xlim=(0, SHOWN_HZ),
+            )  # fmt: skip
+        axes[0, 0].legend(loc="upper left")
+        figure.savefig(path, dpi=150)
+
+
+def _draw_signal(row: list[Axes], data: xr.Dataset, name: str, component: str) -> None:
+    """Draw one velocity into the three axes of a row."""
+    time = data["time"].to_numpy()
+    signal = data[name].to_numpy().astype(float)
+    look: Any = {"color": COLOURS[component], "label": component}
+    row[0].fill_between(*_envelope(time, signal), linewidth=0.3, alpha=0.8, **look)
+    last = time > time[-1] - 0.01
+    row[1].plot(time[last], signal[last], linestyle=LINES[component], **look)
+    frequency, amplitude = spectrum(signal[signal.size // 2 :], sample_interval(data))
+    shown = frequency <= SHOWN_HZ
+    row[2].plot(frequency[shown], amplitude[shown], linewidth=0.6, alpha=0.8, **look)
+    top = max(row[2].get_ylim()[1], amplitude.max(initial=DECADES) * 2)
+    row[2].set_ylim(top * DECADES, top)
+
+
+def _envelope(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times, smallest and largest values in at most `POINTS` pieces, so that no peak is lost."""
+    length = max(1, signal.size // POINTS)
+    count = signal.size // length
+    pieces = signal[: count * length].reshape(count, length)
+    return time[: count * length : length], pieces.min(axis=1), pieces.max(axis=1)
+
+
+def draw_friction(creepage: np.ndarray, curves: dict[str, np.ndarray], path: Path) -> None:
+    """Draw friction force over normal force against lateral creepage, as in Fig. 5 of the paper."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.5, 3.6))
+        axes = figure.subplots(gridspec_kw={"left": 0.12, "right": 0.96, "bottom": 0.14, "top": 0.96})
+        for (label, ratio), line in zip(curves.items(), ("-", "--"), strict=False):
+            axes.plot(creepage, ratio, line, label=label, color="black")
+        axes.set(xlabel="Lateral creepage [-]", ylabel="Friction force / normal force [-]", xlim=(0, creepage[-1]))
+        axes.set_ylim(0, None)
+        axes.legend(loc="lower right")
+        figure.savefig(path, dpi=150)
