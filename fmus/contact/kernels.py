@@ -3,13 +3,15 @@
 Contact axes are the contract's, turned about the longitudinal axis by the contact angle: lon, lat in the contact plane,
 normal from the rail into the wheel. Forces act on the wheel; the rail has the opposite.
 
-The contact is implicit in two ways, because its forces are held over the next step: the normal spring is taken at the
-half step ahead (u + h/2 v), which cancels the delay of a held force; and the creep forces solve
+The forces are held over the next step, so they are made for its middle. The normal spring is taken at u + h/2 v, which
+cancels the delay of a held force. The creep forces solve
 
-    F = g(v + Y (F - F_held)),
+    F = g(v_ahead + Y (F - F_held)),
 
-g the friction law and Y the interface mobility of wheel and rail together, by a Newton iteration whose matrix
-(I - g' Y)^-1 is kept from step to step and renewed only when it no longer converges.
+g the friction law and Y the interface mobility of wheel and rail together: the velocity that the new force itself
+causes counts at once (in stick nothing explicit is stable). v_ahead extrapolates the rest of the velocity by half a
+step: v + (dv - Y dF)/2, with dv and dF the last changes of velocity and force. That makes the coupling second order.
+The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when it no longer converges.
 """
 
 import math
@@ -22,10 +24,14 @@ from .parameters import P
 
 S = positions(
     "S",
-    ("f_lon", "f_lat", "f_spin", "f_normal", "d_lon", "d_lat", "d_spin", "elapsed", "deflection", "newton"),
+    (
+        *("f_lon", "f_lat", "f_spin", "f_normal"),  # forces that are held now: fluctuations, contact axes
+        *("d_lon", "d_lat", "d_spin", "d_normal"),  # how much they changed the last time
+        *("v_lon", "v_lat", "v_spin"),  # relative velocities at the end of the step before
+        *("elapsed", "deflection", "newton"),  # time, integrated deflection, Newton matrix (3 x 3)
+    ),
 )
-"""Layout of the state: forces that are held now (fluctuations, contact axes), how much the creep forces changed in the
-last step, time, integrated deflection, Newton matrix (3 x 3)."""
+"""Layout of the state."""
 
 D = positions(
     "D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "volume", "mobility")
@@ -129,7 +135,7 @@ def _solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type
 
     Parameters
     ----------
-    v : (lon, lat, spin) relative velocities at the end of the last step, in which the held forces acted
+    v : (lon, lat, spin) relative velocities that the held forces would cause
     f_normal : fluctuation of the normal force
     pulse : lateral force from outside that acts together with the creep forces
     """
@@ -179,6 +185,19 @@ def _solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type
 
 
 @kernel
+def _ahead(derived, state, v, row):  # type: ignore[no-untyped-def]
+    """Return velocity number `row` (lon, lat, spin) half a step ahead, the held forces going on."""
+    y = D.mobility + 4 * row
+    caused = (
+        derived[y] * state[S.d_lon]
+        + derived[y + 1] * state[S.d_lat]
+        + derived[y + 2] * state[S.d_spin]
+        + derived[y + 3] * state[S.d_normal]
+    )
+    return v + 0.5 * (v - state[S.v_lon + row] - caused)
+
+
+@kernel
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
     cos = derived[D.cos]
@@ -198,14 +217,23 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
     pulse = 0.0
     if state[S.elapsed] < parameters[P.pulse_duration]:
         pulse = parameters[P.pulse_force] * math.sin(math.pi * state[S.elapsed] / parameters[P.pulse_duration])
-    x0, x1, x2, evaluations = _solve_creep_forces(parameters, derived, state, (v_lon, v_lat, v_spin), f_normal, pulse)
+    ahead = (
+        _ahead(derived, state, v_lon, 0),
+        _ahead(derived, state, v_lat, 1),
+        _ahead(derived, state, v_spin, 2),
+    )
+    x0, x1, x2, evaluations = _solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
     state[S.d_lon] = x0 - state[S.f_lon]
     state[S.d_lat] = x1 - state[S.f_lat]
     state[S.d_spin] = x2 - state[S.f_spin]
     state[S.f_lon] = x0
     state[S.f_lat] = x1
     state[S.f_spin] = x2
+    state[S.d_normal] = f_normal - state[S.f_normal]
     state[S.f_normal] = f_normal
+    state[S.v_lon] = v_lon
+    state[S.v_lat] = v_lat
+    state[S.v_spin] = v_spin
 
     f_lat = cos * x1 + sin * f_normal
     f_ver = -sin * x1 + cos * f_normal
@@ -293,7 +321,8 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
         state[S.newton + 4 * i] = 1.0
     # without mobility the first evaluation is explicit: nothing is held before the start
     _apply(parameters, derived, state, inputs, outputs, 0.0)
-    state[S.d_lon] = state[S.d_lat] = state[S.d_spin] = 0.0
+    for i in range(S.d_lon, S.d_normal + 1):
+        state[i] = 0.0
     _turn_mobility(parameters, derived)
 
 
