@@ -4,9 +4,14 @@ A kernel reads and writes flat float arrays and calls only `math` and other kern
 plain Python, is compiled by Numba in this process, and can be lowered to an object file for a native FMU.
 """
 
+from __future__ import annotations
+
+import hashlib
 from collections import namedtuple
 from collections.abc import Callable, Iterable
+from functools import cache
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 Kernel = Callable[..., Any]
@@ -20,12 +25,33 @@ def kernel(function: Kernel) -> Kernel:
         return function
     import numba  # noqa: PLC0415 - optional
 
+    before = numba.config.CACHE_DIR
     compiled: Kernel
     try:
+        numba.config.CACHE_DIR = _cache_folder()
         compiled = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
         compiled = numba.njit(error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
     return compiled
+
+
+@cache
+def _cache_folder() -> str:
+    """Return where compiled kernels are kept; "" for Numba's default, beside the source.
+
+    Numba looks for changes in the file of a kernel only, not in those of the kernels that it calls. So the name of the
+    folder carries a hash of all sources. An FMU has such a name already.
+    """
+    if __package__ != "fmus":
+        return ""
+    from platformdirs import user_cache_path  # noqa: PLC0415 - not there in an FMU
+
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return str(user_cache_path("curvesqueal") / "kernels" / digest.hexdigest()[:16])
 
 
 def positions(title: str, names: Iterable[str]) -> Any:

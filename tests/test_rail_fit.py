@@ -13,7 +13,8 @@ from fmus.interface import DIRECTIONS
 from fmus.modal import Modes, mobility, receptance
 from fmus.modal_data import read_modal_data
 from fmus.rail.component import DATA
-from fmus.rail.fit import Goal, error_frequencies, fit_errors, fit_modes
+from fmus.rail.direction_fit import Goal
+from fmus.rail.fit import error_frequencies, fit_errors, fit_modes
 from fmus.rail.paper_fit import cut_on, paper_modes
 from fmus.rail.regenerate import differences, modal_rail
 from fmus.rail.track import track_receptance

@@ -96,16 +96,21 @@ def test_a_rigid_yaw_spins_the_contact_with_the_wheelset(coarse: list[WheelMode]
     eigenvector of the rigid mode is good to about 1e-7.
     """
     yaw = dataclasses.asdict(one(coarse, "antisymmetric", n=1, frequency_hz=0.0))
-    lon, lat, ver, spin = contact_shape(yaw, "sine", GENERIC.contact_radius)
-    assert lon / spin == pytest.approx(GENERIC.contact_position, rel=1e-5)
-    assert (lat, ver) == (0.0, 0.0)
+    lon, _, _, spin = contact_shape(yaw, "sine", GENERIC.contact_radius)
+    assert GENERIC.contact_position * spin == pytest.approx(lon, rel=1e-5)
 
 
-def test_a_rigid_rotation_about_the_axle_does_not_spin_the_contact(coarse: list[WheelMode]) -> None:
+def test_axial_slope_of_a_rigid_yaw_is_the_yaw(coarse: list[WheelMode]) -> None:
+    """Yaw is phi (z, -z, -r) in u_r, u_theta, u_z, so the table has du_theta/dz = -phi = u_z/R = u_theta/z."""
+    yaw = one(coarse, "antisymmetric", n=1, frequency_hz=0.0)
+    expected = [yaw.u_theta / GENERIC.contact_position, yaw.u_z / GENERIC.contact_radius]
+    np.testing.assert_allclose(yaw.du_theta_dz, expected, rtol=1e-5)  # the eigenvector is good to about 1e-7
+
+
+def test_a_rigid_rotation_about_the_axle_has_no_axial_slope(coarse: list[WheelMode]) -> None:
     """u_theta = phi r has no axial derivative."""
-    row = dataclasses.asdict(one(coarse, "symmetric", n=0, frequency_hz=0.0))
-    lon, _, _, spin = contact_shape(row, "sine", GENERIC.contact_radius)
-    assert abs(spin) < 1e-5 * abs(lon)
+    turn = one(coarse, "symmetric", n=0, frequency_hz=0.0)
+    assert abs(turn.du_theta_dz) < 1e-5 * abs(turn.u_theta)
 
 
 def test_a_doublet_turned_by_a_right_angle_is_a_yaw_for_a_roll(coarse: list[WheelMode]) -> None:

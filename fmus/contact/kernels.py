@@ -43,7 +43,7 @@ DERIVED_SIZE = D.mobility + 12
 
 MAX_EVALUATIONS = 60
 TOLERANCE = 1e-4
-"""Largest last correction of the creep forces, relative to mu0 N, that needs no further evaluation."""
+"""Largest residual of the creep forces, relative to mu0 N, that is left to a last Newton step without a check."""
 
 
 @kernel
@@ -130,6 +130,35 @@ def _invert(m, s):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
+    """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
+    y = D.mobility
+    d0, d1, d2 = x[0] - state[S.f_lon], x[1] - state[S.f_lat], x[2] - state[S.f_spin]
+    d3 = f_normal - state[S.f_normal]
+    w = (
+        v[0] + derived[y] * d0 + derived[y + 1] * d1 + derived[y + 2] * d2 + derived[y + 3] * d3,
+        v[1] + derived[y + 4] * d0 + derived[y + 5] * d1 + derived[y + 6] * d2 + derived[y + 7] * d3,
+        v[2] + derived[y + 8] * d0 + derived[y + 9] * d1 + derived[y + 10] * d2 + derived[y + 11] * d3,
+    )
+    g = _law(parameters, derived, w[0], w[1], w[2], f_normal + parameters[P.normal_load])
+    r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
+    scale = parameters[P.mu0] * parameters[P.normal_load] + 1e-30
+    size = max(abs(r[0]), abs(r[1]), abs(r[2]) / derived[D.spin_arm]) / scale
+    return r, size, w, g
+
+
+@kernel
+def _newton_step(state, r, x, part):  # type: ignore[no-untyped-def]
+    """Return x + part M r with the kept Newton matrix M."""
+    s = S.newton
+    return (
+        x[0] + part * (state[s] * r[0] + state[s + 1] * r[1] + state[s + 2] * r[2]),
+        x[1] + part * (state[s + 3] * r[0] + state[s + 4] * r[1] + state[s + 5] * r[2]),
+        x[2] + part * (state[s + 6] * r[0] + state[s + 7] * r[1] + state[s + 8] * r[2]),
+    )
+
+
+@kernel
 def _solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type: ignore[no-untyped-def]
     """Return the creep-force fluctuations that agree with the velocities they cause, and how many evaluations it took.
 
@@ -138,50 +167,35 @@ def _solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type
     v : (lon, lat, spin) relative velocities that the held forces would cause
     f_normal : fluctuation of the normal force
     pulse : lateral force from outside that acts together with the creep forces
+
+    Notes
+    -----
+    The friction law dissipates and the mobility is positive, so the error of `x` is at most its residual, and a Newton
+    step with the matrix of the place goes downhill. The kept matrix is used while it brings the residual down by two
+    thirds; then it is renewed; then the step is halved until the residual falls.
     """
     load = f_normal + parameters[P.normal_load]
-    held = (state[S.f_lon], state[S.f_lat], state[S.f_spin])
-    rise = f_normal - state[S.f_normal]
-    scale = parameters[P.mu0] * parameters[P.normal_load] + 1e-30
-    arm = derived[D.spin_arm]
-    s = S.newton
-    y = D.mobility
-    x0, x1, x2 = held[0] + state[S.d_lon], held[1] + state[S.d_lat], held[2] + state[S.d_spin]
-    correction = math.inf
-    damping = 1.0
-    evaluations = 0
-    while evaluations < MAX_EVALUATIONS:
-        d0, d1, d2 = x0 - held[0], x1 - held[1], x2 - held[2]
-        w = (
-            v[0] + derived[y] * d0 + derived[y + 1] * d1 + derived[y + 2] * d2 + derived[y + 3] * rise,
-            v[1] + derived[y + 4] * d0 + derived[y + 5] * d1 + derived[y + 6] * d2 + derived[y + 7] * rise,
-            v[2] + derived[y + 8] * d0 + derived[y + 9] * d1 + derived[y + 10] * d2 + derived[y + 11] * rise,
-        )
-        g = _law(parameters, derived, w[0], w[1], w[2], load)
+    x = (state[S.f_lon] + state[S.d_lon], state[S.f_lat] + state[S.d_lat], state[S.f_spin] + state[S.d_spin])
+    r, size, w, g = _residual(parameters, derived, state, v, x, f_normal, pulse)
+    evaluations = 1
+    fresh = False
+    part = 1.0
+    while size > TOLERANCE and evaluations < MAX_EVALUATIONS:
+        x_new = _newton_step(state, r, x, part)
+        r_new, size_new, w_new, g_new = _residual(parameters, derived, state, v, x_new, f_normal, pulse)
         evaluations += 1
-        r0 = g[0] - derived[D.f_lon] - x0
-        r1 = g[1] - derived[D.f_lat] + pulse - x1
-        r2 = g[2] - derived[D.f_spin] - x2
-        e0 = state[s] * r0 + state[s + 1] * r1 + state[s + 2] * r2
-        e1 = state[s + 3] * r0 + state[s + 4] * r1 + state[s + 5] * r2
-        e2 = state[s + 6] * r0 + state[s + 7] * r1 + state[s + 8] * r2
-        size = max(abs(e0), abs(e1), abs(e2) / arm) / scale
-        if size > 0.3 * correction:  # the kept matrix does not converge: renew it here
+        if size_new <= 0.33 * size or (fresh and size_new < (1.0 - 0.1 * part) * size):
+            x, r, size, w, g = x_new, r_new, size_new, w_new, g_new
+            fresh = False
+            part = 1.0
+        elif not fresh:
             _renew_newton_matrix(parameters, derived, state, w, g, load)
             evaluations += 3
-            if evaluations > MAX_EVALUATIONS // 2:
-                damping *= 0.7
-            e0 = state[s] * r0 + state[s + 1] * r1 + state[s + 2] * r2
-            e1 = state[s + 3] * r0 + state[s + 4] * r1 + state[s + 5] * r2
-            e2 = state[s + 6] * r0 + state[s + 7] * r1 + state[s + 8] * r2
-            size = max(abs(e0), abs(e1), abs(e2) / arm) / scale
-        x0 += damping * e0
-        x1 += damping * e1
-        x2 += damping * e2
-        correction = size
-        if size <= TOLERANCE:
-            break
-    return x0, x1, x2, evaluations
+            fresh = True
+        else:
+            part *= 0.5
+    x = _newton_step(state, r, x, part)
+    return x[0], x[1], x[2], evaluations
 
 
 @kernel

@@ -25,6 +25,12 @@ def paper_rail() -> Component:
     return structure("rail_paper", "Rail at the contact point: modal by the paper's method", modes)
 
 
+def discrete_rail() -> Component:
+    """Return the modal rail of the default track on discrete sleepers, at mid-span."""
+    modes = read_modal_data(DATA / "rail-discrete.toml").modes
+    return structure("rail_discrete", "Rail at the contact point: discrete sleepers, contact at mid-span", modes)
+
+
 def rigid_rail() -> Component:
     """Return the rail that does not move: the same contract with no modes, so no velocity and no mobility."""
     none = Modes(np.zeros(0), np.zeros(0), np.zeros((0, 4)))

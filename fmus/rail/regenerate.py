@@ -1,4 +1,4 @@
-"""The shipped modal rails: default track in, `data/rail.toml` and `data/rail-paper.toml` out.
+"""The shipped modal rails: default track in, `data/rail.toml`, `rail-paper.toml` and `rail-discrete.toml` out.
 
 `python -m fmus.rail.regenerate` writes them; with `--check` it writes nothing and fails where they differ from what is
 there by more than the rounding of another machine's linear algebra explains.
@@ -14,12 +14,13 @@ import numpy as np
 from ..modal import Modes
 from ..modal_data import ModalData, read_modal_data, write_modal_data
 from .component import DATA
+from .discrete import DiscreteTrack, discrete_modes
 from .fit import accurate_modes
 from .paper_fit import paper_modes
 from .track_data import TRACKS, Track, read_track
 
 METHODS = {"accurate": accurate_modes, "paper": paper_modes}
-SHIPPED = {"rail.toml": "accurate", "rail-paper.toml": "paper"}
+SHIPPED = {"rail.toml": "accurate", "rail-paper.toml": "paper", "rail-discrete.toml": "discrete"}
 
 DIGITS = 6
 LARGEST_DIFFERENCE = 1e-3
@@ -33,6 +34,10 @@ _SOURCE = {
     "paper": (
         "method of Ding, Squicciarini and Thompson (2016), section 3.1: cut-on frequencies, C = s eta / omega_0, one "
         "mode at 20 kHz; modal masses fitted to the analytical track, 30 Hz to 5 kHz (fmus.rail.paper_fit)"
+    ),
+    "discrete": (
+        "passive least squares fit, 28 Hz to 5.5 kHz, of the logarithm of the receptance of the finite-element rail on "
+        "discrete sleepers (fmus.rail.discrete)"
     ),
 }
 
@@ -54,10 +59,28 @@ def modal_rail(track: Track, method: str, most_modes: int | None = None) -> Moda
     return ModalData(f"{method} modal rail: {track.title}", _SOURCE[method], _rounded(modes))
 
 
+def discrete_modal_rail(track: Track, position: float = 0.5, most_modes: int = 16) -> ModalData:
+    """Return the modal rail of a track on discrete sleepers.
+
+    Parameters
+    ----------
+    position : float
+        Of the contact in the span [-]: 0 above a sleeper, 0.5 at mid-span.
+    most_modes : int
+        Largest number of modes in each direction.
+    """
+    modes = discrete_modes(DiscreteTrack(track, position), most_modes)
+    title = f"discrete sleepers, contact at {position:g} of the span: {track.title}"
+    return ModalData(title, _SOURCE["discrete"], _rounded(modes))
+
+
 def shipped() -> dict[str, ModalData]:
     """Return the shipped modal rails by file name, made anew."""
     track = read_track(TRACKS / "default.toml")
-    return {name: modal_rail(track, method) for name, method in SHIPPED.items()}
+    return {
+        name: discrete_modal_rail(track) if method == "discrete" else modal_rail(track, method)
+        for name, method in SHIPPED.items()
+    }
 
 
 def regenerate(folder: Path = DATA) -> None:

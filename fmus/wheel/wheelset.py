@@ -85,10 +85,10 @@ def contact_shape(row: dict[str, Any], family: str, radius: float) -> list[float
     Notes
     -----
     The contact point is the lowest point of the wheel (theta = 0), so upwards is -u_r; the lateral axis points to the
-    gauge side, so it is -u_z, and longitudinally u_theta completes a right-handed system. The sine family is the cosine
-    family turned by a quarter of a period, here with the sign (-u_r sin, u_theta cos, -u_z sin); its rotation about the
-    vertical, -1/2 (du_z/(r dtheta) - du_theta/dz), is 1/2 (n u_z/R + du_theta/dz). A wheelset that yaws rigidly has it
-    equal to its yaw; the difference in place of the sum would be a shear strain.
+    gauge side, so it is -u_z. The sine family is the cosine family turned by a quarter of a period, here with the sign
+    (-u_r sin, u_theta cos, -u_z sin); its rotation about the vertical, -1/2 (du_z/(r dtheta) - du_theta/dz), is
+    1/2 (n u_z/R + du_theta/dz). A wheelset that yaws rigidly has it equal to its yaw; the difference in place of the
+    sum would be a shear strain.
     """
     if family == "cosine":
         return [0.0, -row["u_z"], -row["u_r"], 0.0]
