@@ -13,7 +13,7 @@ from fmus.component import Component, Instance
 from fmus.interface import structure_inputs, structure_outputs
 from fmus.modal import Modes, mobility
 from fmus.modal_data import ModalData, format_modal_data, read_modal_data, write_modal_data
-from fmus.rail.component import DATA, paper_rail, rail, rigid_rail
+from fmus.rail.component import DATA, discrete_rail, paper_rail, rail, rigid_rail
 
 STEP = 5e-6
 GOOD = """title = "a rail"
@@ -109,7 +109,10 @@ def test_the_rail_has_the_ports_of_the_contract() -> None:
     assert [v.name for v in component.of("output")] == [p.name for p in structure_outputs()]
 
 
-@pytest.mark.parametrize(("component", "name"), [(rail(), "rail.toml"), (paper_rail(), "rail-paper.toml")])
+@pytest.mark.parametrize(
+    ("component", "name"),
+    [(rail(), "rail.toml"), (paper_rail(), "rail-paper.toml"), (discrete_rail(), "rail-discrete.toml")],
+)
 def test_a_rail_starts_with_the_modes_of_its_file(component: Component, name: str) -> None:
     start = {v.name: v.start for v in component.of("parameter")}
     frequencies = np.array([start[n] for n in start if n.startswith("frequency")], dtype=float)

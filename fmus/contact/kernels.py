@@ -338,6 +338,9 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     for i in range(S.d_lon, S.d_normal + 1):
         state[i] = 0.0
     _turn_mobility(parameters, derived)
+    rest = (0.0, 0.0, 0.0)
+    steady = (derived[D.f_lon], derived[D.f_lat], derived[D.f_spin])
+    _renew_newton_matrix(parameters, derived, state, rest, steady, load)
 
 
 @kernel

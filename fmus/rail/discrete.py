@@ -259,7 +259,7 @@ def _beyond_the_end(w: Real, model: DiscreteTrack) -> Complex:
 
     Notes
     -----
-    Longitudinal waves are too long for absorbing ends: 17 m where they cut on.
+    Longitudinal waves are too long for absorbing ends: 17 m at 300 Hz in a free rail.
     """
     rail = model.track.section
     EA = rail.young_modulus * rail.area * (1 + 1j * (rail.loss_factor + END_LOSS_FACTOR))
