@@ -65,8 +65,10 @@ class Variable:
         if not math.isfinite(value):
             raise ValueError(f"{self.name} = {value}: must be a finite number")
         if not self.minimum <= value <= self.maximum:
-            bounds = f"{self.minimum:g} to {self.maximum:g}"
-            raise ValueError(f"{self.name} = {value:g}: must be in the range {bounds} {self.unit}")
+            unit = "" if self.unit == "1" else f" {self.unit}"
+            raise ValueError(
+                f"{self.name} = {value:g}: must be in the range {self.minimum:g} to {self.maximum:g}{unit}"
+            )
         if self.kind != "Real" and value != int(value):
             raise ValueError(f"{self.name} = {value:g}: must be a whole number")
         return value

@@ -171,7 +171,8 @@ def _check_range(value: float, variable: ScalarVariable, where: str) -> None:
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
     if not math.isfinite(value) or not low <= value <= high:
-        raise InputError(f"{where}: must be in the range {low:g} to {high:g} {variable.unit or ''}".rstrip())
+        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
+        raise InputError(f"{where}: must be in the range {low:g} to {high:g}{unit}")
 
 
 def _convert(parameter: Parameter, kind: str, unit: str | None, where: str) -> Value:

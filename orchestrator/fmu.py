@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -127,7 +128,7 @@ class FmuInstance:
         except Exception as error:  # FMPy raises bare exceptions for a missing or broken library
             raise SimulationError(f"{name}: {fmu.path}: cannot be loaded here: {_first_line(error)}") from None
         with self._calling("instantiate"):
-            self._slave.instantiate(callbacks=self._callbacks)
+            self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)
 
     def _log(self, _environment: Any, _instance: Any, _status: int, _category: Any, message: bytes) -> None:
         self.messages.append(message.decode("utf-8", "replace") if message else "")
@@ -147,8 +148,12 @@ class FmuInstance:
             raise SimulationError(f"{self.name}: {_first_line(error)}{self.last_message()}") from None
 
     def last_message(self) -> str:
-        """Return what the FMU said last, as the end of a sentence."""
-        return f": {self.messages[-1].strip()}" if self.messages else ""
+        """Return what the FMU said last, as the end of a sentence; of a Python exception only its text."""
+        if not self.messages:
+            return ""
+        text = " ".join(self.messages[-1].split())
+        exception = re.search(r"(?:Error|Exception)\((['\"])(.*)\1\)$", text)
+        return f": {exception.group(2) if exception else text}"
 
     def set(self, values: Mapping[str, Value]) -> None:
         """Set variables by name, each by its type."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..component import Component
 from ..contact.component import contact
 from ..interface import DEFAULT_STEP
-from ..rail.component import rail, rigid_rail
+from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..wheel.component import wheel
 from .archive import write_files
 from .python_fmu import build_python_fmu
@@ -24,7 +24,9 @@ def components() -> dict[str, Component]:
     return {
         "wheel": the_wheel,
         "rail": the_rail,
+        "rail-paper": paper_rail(),
         "rail-rigid": rigid_rail(),
+        "rail-discrete": discrete_rail(),
         "contact": contact(system_mobility([the_wheel, the_rail], DEFAULT_STEP)),
     }
 
@@ -39,10 +41,13 @@ def build(folder: Path, report: Callable[[Path], None] = lambda _: None) -> Path
     """
     folder.mkdir(parents=True, exist_ok=True)
     built = components()
-    files = ssp_files(built, read_cases())
+    cases = read_cases()
+    files = ssp_files(built, cases)
+    used = {"wheel", "contact", *(case.rail for case in cases)}
     for name, component in built.items():
         fmu = build_python_fmu(component, folder / f"{name}.fmu", version("curvesqueal"))
-        files[f"resources/{name}.fmu"] = fmu.read_bytes()
+        if name in used:
+            files[f"resources/{name}.fmu"] = fmu.read_bytes()
         report(fmu)
     ssp = folder / SSP_NAME
     write_files(files, ssp)

@@ -1,0 +1,236 @@
+"""The PythonFMU builds in tools that are not ours, and against the component in this process."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+from fmu_manipulation_toolbox.checker import get_checkers
+from fmu_manipulation_toolbox.operations import FMU
+
+from fmus.component import Component, Instance
+from fmus.contact.component import contact
+from fmus.packaging.build import components
+from fmus.packaging.python_fmu import build_python_fmu
+
+NAMES = ("wheel", "rail", "rail-rigid", "contact")
+H = 5e-6
+
+
+@pytest.fixture(scope="module")
+def declared() -> dict[str, Component]:
+    return components()
+
+
+class Slave:
+    """A slave driven by FMPy's binding, call by call."""
+
+    def __init__(self, file: Path, parameters: dict[str, float] | None = None) -> None:
+        self.folder = fmpy.extract(str(file))
+        self.description = fmpy.read_model_description(self.folder)
+        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.slave = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="test",
+        )
+        self.slave.instantiate(loggingOn=True)
+        self.slave.setupExperiment(startTime=0.0)
+        self.slave.enterInitializationMode()
+        for name, value in (parameters or {}).items():
+            self.slave.setReal([self.reference[name]], [value])
+        self.slave.exitInitializationMode()
+        self.time = 0.0
+
+    def names(self, causality: str) -> list[str]:
+        """Return the names of one causality."""
+        return [v.name for v in self.description.modelVariables if v.causality == causality]
+
+    def set_inputs(self, values: np.ndarray) -> None:
+        """Set all inputs, in the order of the model description."""
+        self.slave.setReal([self.reference[n] for n in self.names("input")], values.tolist())
+
+    def outputs(self) -> np.ndarray:
+        """Return all outputs."""
+        return np.array(self.slave.getReal([self.reference[n] for n in self.names("output")]))
+
+    def step(self) -> None:
+        """Make one step."""
+        self.slave.doStep(self.time, H)
+        self.time += H
+
+    def close(self) -> None:
+        """Free the slave."""
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmpy_finds_no_problem(built: Path, name: str) -> None:
+    assert validate_fmu(str(built / f"{name}.fmu")) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmu_manipulation_toolbox_finds_no_problem(built: Path, name: str, caplog: pytest.LogCaptureFixture) -> None:
+    """Schema and semantic rules of FMI 2.0.5."""
+    fmu = FMU(str(built / f"{name}.fmu"))
+    for checker in get_checkers():
+        fmu.apply_operation(checker())
+    assert [r.getMessage() for r in caplog.records if r.levelname in ("ERROR", "WARNING", "CRITICAL")] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_two_builds_give_the_same_bytes(built: Path, declared: dict[str, Component], name: str, tmp_path: Path) -> None:
+    again = build_python_fmu(declared[name], tmp_path / "again.fmu", fmpy_version(built / f"{name}.fmu"))
+    assert again.read_bytes() == (built / f"{name}.fmu").read_bytes()
+
+
+def fmpy_version(file: Path) -> str:
+    return str(fmpy.read_model_description(str(file)).version)
+
+
+def test_guid_follows_the_content(built: Path, tmp_path: Path, declared: dict[str, Component]) -> None:
+    other = build_python_fmu(contact({"mobility_lon_lon": 1.0}), tmp_path / "other.fmu", "0")
+    descriptions = [fmpy.read_model_description(str(f)) for f in (other, built / "contact.fmu")]
+    assert descriptions[0].guid != descriptions[1].guid
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_model_description_says_what_tools_need(built: Path, name: str) -> None:
+    description = fmpy.read_model_description(str(built / f"{name}.fmu"))
+    assert description.defaultExperiment.stepSize == "5e-06"
+    assert description.coSimulation.canGetAndSetFMUstate
+    assert description.coSimulation.canSerializeFMUstate
+    assert not description.coSimulation.needsExecutionTool
+    reals = [v for v in description.modelVariables if v.type == "Real"]
+    assert all(v.unit and v.nominal and v.description for v in reals)
+    inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+    for unknown in description.outputs:
+        known = {v.name for v in unknown.dependencies}
+        assert known == (inputs if name == "contact" else set())
+    assert len(description.initialUnknowns) == len(
+        [v for v in description.modelVariables if v.causality in ("output", "calculatedParameter")]
+    )
+
+
+def signal(component: Component, steps: int) -> np.ndarray:
+    """Return inputs for a component: some tens of newtons, or some centimetres per second and micrometres."""
+    names = [v.name for v in component.of("input")]
+    scale = np.array([2e-6 if "_u_" in n else 0.05 if "_v_" in n else 50.0 for n in names])
+    time = np.arange(steps)[:, None] * H
+    phases = np.arange(len(names))
+    return scale * np.sin(2 * np.pi * (300 + 170 * phases) * time + phases)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fmu_computes_what_the_component_computes(built: Path, declared: dict[str, Component], name: str) -> None:
+    """Over 1000 steps, to 1e-12 of each output's largest value (the machine code may differ, the text does not)."""
+    component = declared[name]
+    moving = {v.name: 1e-3 for v in component.of("parameter") if v.name.startswith("initial_velocity")}
+    slave, instance = Slave(built / f"{name}.fmu", moving), Instance(component, moving)
+    instance.initialise()
+    found, expected = [slave.outputs()], [instance.outputs.copy()]
+    for u in signal(component, 1000):
+        slave.set_inputs(u)
+        slave.step()
+        instance.inputs[:] = u
+        instance.do_step(H)
+        found.append(slave.outputs())
+        expected.append(instance.outputs.copy())
+    slave.close()
+    scale = abs(np.array(expected)).max(axis=0)
+    assert (abs(np.array(found) - expected).max(axis=0) <= 1e-12 * scale).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_state_is_complete(built: Path, declared: dict[str, Component], name: str) -> None:
+    """Go back to a state in the middle of a run, directly and through bytes: the same outputs, bit for bit."""
+    slave = Slave(built / f"{name}.fmu")
+    inputs = signal(declared[name], 60)
+
+    def run(part: np.ndarray) -> list[np.ndarray]:
+        rows = []
+        for u in part:
+            slave.set_inputs(u)
+            slave.step()
+            rows.append(slave.outputs())
+        return rows
+
+    run(inputs[:30])
+    state = slave.slave.getFMUstate()
+    data = slave.slave.serializeFMUstate(state)
+    first = run(inputs[30:])
+    slave.slave.setFMUstate(state)
+    np.testing.assert_array_equal(run(inputs[30:]), first)
+    restored = slave.slave.deSerializeFMUstate(data)
+    slave.slave.setFMUstate(restored)
+    np.testing.assert_array_equal(run(inputs[30:]), first)
+    slave.slave.freeFMUstate(state)
+    slave.close()
+
+
+def test_all_fmus_and_two_versions_of_one_work_in_a_process(
+    built: Path, declared: dict[str, Component], tmp_path: Path
+) -> None:
+    """Every pair of FMUs sees its own code and data, in any order, also after the first ones were freed."""
+    second = build_python_fmu(contact({"mobility_lat_lat": 4e-6}), tmp_path / "second.fmu", "0")
+    for _ in range(2):
+        slaves = [Slave(built / f"{name}.fmu") for name in NAMES] + [Slave(second), Slave(built / "contact.fmu")]
+        parameter = [s.slave.getReal([s.reference["mobility_lat_lat"]])[0] for s in slaves[-3:]]
+        start = next(v.start for v in declared["contact"].variables if v.name == "mobility_lat_lat")
+        assert parameter == [start, 4e-6, start]
+        for slave in slaves:
+            slave.step()
+        for slave in slaves:
+            slave.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "output"),
+    [("wheel", "f_lat", "v_lat"), ("rail", "f_ver", "v_ver"), ("contact", "wheel_v_lat", "creepage_lat")],
+)
+def test_fmu_runs_alone_with_an_input_signal(built: Path, name: str, column: str, output: str) -> None:
+    inputs = np.array([(0.0, 0.0), (1e-3, 1.0)], dtype=[("time", float), (column, float)])
+    result = fmpy.simulate_fmu(
+        str(built / f"{name}.fmu"), stop_time=1e-3, step_size=H, output_interval=H, input=inputs, output=[output]
+    )
+    assert len(result) == 201
+    assert result[output][-1] != result[output][0]
+    assert np.isfinite(result[output]).all()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "inputs", "message"),
+    [
+        ({"mu0": -1.0}, {}, "mu0 = -1: must be in the range 0 to 2"),
+        ({}, {"wheel_v_lat": float("nan")}, "input wheel_v_lat = nan: must be a finite number"),
+    ],
+)
+def test_a_fault_is_an_error_that_names_the_variable(
+    built: Path, parameters: dict[str, float], inputs: dict[str, float], message: str
+) -> None:
+    """In a process of its own, with FMPy's default logger, which prints."""
+    script = f"""
+import fmpy, sys
+from pathlib import Path
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from test_python_fmu import Slave, H
+try:
+    slave = Slave(Path({str(built / "contact.fmu")!r}), {parameters!r})
+    for name, value in {{k: float(v) for k, v in { ({k: str(v) for k, v in inputs.items()})!r}.items()}}.items():
+        slave.slave.setReal([slave.reference[name]], [value])
+    slave.step()
+except fmpy.fmi1.FMICallException as error:
+    print("status", error.status)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert message in done.stdout
+    assert "status" in done.stdout
