@@ -97,12 +97,17 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     if outcome.error is not None:
         raise SimulationError(f"{outcome.error}; results up to then are in {outcome.results}")
     if outcome.progress.stopped:
-        messages.print(f"stopped; results up to then are in {outcome.results}", highlight=False)
+        _say(f"stopped; results up to then are in {outcome.results}")
         raise typer.Exit(130)
 
 
+def _say(text: str) -> None:
+    """Print a sentence on the error stream, as it is."""
+    messages.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
 def _notice(text: str) -> None:
-    messages.print(f"note: {text}", highlight=False)
+    _say(f"note: {text}")
 
 
 @contextmanager
@@ -199,9 +204,9 @@ def friction(
 def main() -> None:
     """Run the command line; a user's mistake is one sentence and a non-zero exit."""
     try:
-        app(standalone_mode=False)
+        code = app(standalone_mode=False)
     except (InputError, SimulationError) as error:
-        messages.print(f"curvesqueal: {error}", markup=False, highlight=False, soft_wrap=True)
+        _say(f"curvesqueal: {error}")
         sys.exit(1)
     except click.ClickException as error:
         error.show()
@@ -209,3 +214,4 @@ def main() -> None:
     except (click.exceptions.Abort, KeyboardInterrupt):
         messages.print("interrupted")
         sys.exit(130)
+    sys.exit(code if isinstance(code, int) else 0)

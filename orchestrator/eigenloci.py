@@ -26,6 +26,9 @@ _LARGEST_STRETCH = 0.35
 
 _PASSES = 14
 
+_EVEN_FROM_HZ = 5.0
+"""Lowest frequency of the even grid: between a suspended wheelset's rigid motion and its first bending mode [Hz]."""
+
 
 @dataclass(frozen=True)
 class Eigenloci:
@@ -111,10 +114,8 @@ def _tracked(values: Complex) -> Complex:
     best = orders[moved.argmin(axis=1)]
     place = np.empty((m, k), dtype=int)
     current = np.arange(k)
-    place[0] = current
-    changes = np.flatnonzero((best != np.arange(k)).any(axis=1))
     start = 0
-    for change in changes:
+    for change in np.flatnonzero((best != np.arange(k)).any(axis=1)).tolist():
         place[start : change + 1] = current
         current = best[change][current]
         start = change + 1
@@ -131,10 +132,8 @@ def crossings(open_loop: OpenLoop, loci: Eigenloci) -> tuple[Crossing, ...]:
     the interpolated frequency and the bracket narrowed, until the imaginary part vanishes.
     """
     found = []
-    for locus in range(loci.values.shape[1]):
-        value = loci.values[:, locus]
-        change = np.flatnonzero((value.imag[:-1] > 0) != (value.imag[1:] > 0))
-        for i in change:
+    for value in loci.values.T:
+        for i in np.flatnonzero((value.imag[:-1] > 0) != (value.imag[1:] > 0)):
             omega, at = _refined(open_loop, loci.omega[i : i + 2], value[i : i + 2])
             if at.real > 1:
                 others = np.linalg.eigvals(open_loop(np.array([omega]))[0])
@@ -179,7 +178,7 @@ def encirclements(loci: Eigenloci) -> Real:
     return np.asarray(-turns / (2 * np.pi))
 
 
-def grid(frequency_hz: Real, zeta: Real, lowest_hz: float = 5.0, highest_hz: float = 6000.0, step_hz: float = 0.5) -> Real:
+def frequency_grid(frequency_hz: Real, zeta: Real, highest_hz: float = 6500.0, step_hz: float = 0.5) -> Real:
     """Return angular frequencies fine enough for lightly damped modes, increasing [rad/s].
 
     Parameters
@@ -189,11 +188,13 @@ def grid(frequency_hz: Real, zeta: Real, lowest_hz: float = 5.0, highest_hz: flo
 
     Notes
     -----
-    A fifth of the half-power bandwidth's half, zeta f / 5, within 2 % of every mode: the contact spring moves its
-    resonance by up to that much. Modes of more than 1 % damping need no more than the even spacing.
+    Even spacing, and within 2 % of every mode a fifth of half its half-power bandwidth, zeta f / 5: the contact spring
+    moves a resonance by up to that much. Below and above, a few wide-spaced frequencies close the loci on the real
+    axis, so that encirclements come out whole.
     """
-    parts = [np.arange(lowest_hz, highest_hz, step_hz)]
+    parts = [np.arange(_EVEN_FROM_HZ, highest_hz, step_hz)]
     for f, z in {(float(f), float(z)) for f, z in zip(frequency_hz, zeta, strict=True)}:
-        if lowest_hz < f < highest_hz and 0 < z * f / 5 < step_hz:
+        if _EVEN_FROM_HZ < f < highest_hz and 0 < z * f / 5 < step_hz:
             parts.append(np.arange(0.98 * f, min(1.02 * f, highest_hz), z * f / 5))
+    parts += [np.geomspace(1e-3 * _EVEN_FROM_HZ, _EVEN_FROM_HZ, 100), np.geomspace(highest_hz, 100 * highest_hz, 100)]
     return np.asarray(2 * np.pi * np.unique(np.concatenate(parts)))

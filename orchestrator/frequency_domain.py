@@ -30,7 +30,7 @@ Mobility = Callable[[Real], Complex]
 """(m,) angular frequencies [rad/s] in, (m, 4, 4) velocity per force in track axes out."""
 
 _CORNER = 0.1
-"""Relative difference of slopes beyond which the friction law has no slope; cells of the contact patch that begin to slide stay below."""
+"""Relative difference of slopes beyond which there is no slope; cells that begin to slide one by one stay below."""
 
 _CHUNK = 2000
 """Frequencies that are worked on at a time, so that memory stays small."""
