@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
-import click
 import numpy as np
 import typer
 from rich.console import Console
@@ -204,14 +203,7 @@ def friction(
 def main() -> None:
     """Run the command line; a user's mistake is one sentence and a non-zero exit."""
     try:
-        code = app(standalone_mode=False)
+        app()
     except (InputError, SimulationError) as error:
         _say(f"curvesqueal: {error}")
         sys.exit(1)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(error.exit_code)
-    except (click.exceptions.Abort, KeyboardInterrupt):
-        messages.print("interrupted")
-        sys.exit(130)
-    sys.exit(code if isinstance(code, int) else 0)

@@ -38,8 +38,9 @@ RIGID = ("rigid n=1 symmetric", "rigid n=1 antisymmetric")
 
 FREE_MODES = tuple(mode for modes, _ in GROUPS for mode in modes)
 
-GAIN_SCATTER = 0.1
-"""Standard deviation that the fit allows ln(gain) [-]."""
+GAIN_SCATTER = 0.06
+SEARCH_SCATTER = 0.1
+"""Standard deviations of ln(gain) that the fit and the search before it allow [-]."""
 
 LATERAL_PRIOR = 0.7
 NORMAL_PRIOR = 0.015
@@ -136,10 +137,12 @@ class Problem:
     def residuals(self, vector: Real) -> Real:
         """Return the residuals over all cells and the distance from the prior."""
         found = self.model.crossings(*self.amplitudes(vector))
-        return np.concatenate([cell_residuals(found, self.paper, self.model.cells, self.cases), vector])
+        return np.concatenate([cell_residuals(found, self.paper, self.model.cells, self.cases, GAIN_SCATTER), vector])
 
 
-def cell_residuals(found: Crossings, paper: PaperTable, cells: tuple[str, ...], cases: tuple[int, ...]) -> Real:
+def cell_residuals(
+    found: Crossings, paper: PaperTable, cells: tuple[str, ...], cases: tuple[int, ...], scatter: float
+) -> Real:
     """Return what is wrong with some cells of Table 4, in standard deviations.
 
     Notes
@@ -157,7 +160,7 @@ def cell_residuals(found: Crossings, paper: PaperTable, cells: tuple[str, ...], 
     target = np.where(unstable, paper.frequency_hz[pick], 1.0)
     off = np.where(gain > 0.05, np.abs(found.frequency_hz[rows] / target - 1) / paper.tolerance[pick], 2.0)
     parts = [
-        np.where(unstable, (log_gain - np.log(wanted)) / GAIN_SCATTER, 0.0),
+        np.where(unstable, (log_gain - np.log(wanted)) / scatter, 0.0),
         np.where(unstable, 5 * np.maximum(off - _FREQUENCY_SHARE, 0), 0.0),
         np.maximum(np.where(unstable, CLEAR - log_gain, log_gain * (gain > 0.05) + CLEAR), 0) / _PENALTY,
         np.maximum(np.log(np.maximum(found.further[rows], 0.1)) + CLEAR, 0) / _PENALTY,
@@ -231,7 +234,7 @@ def _search_group(problem: Problem, vector: Real, group: int) -> Real:
         whole[own] = trial
         lateral, normal = problem.amplitudes(whole)
         found = part.crossings(lateral[seen], normal[seen])
-        wrong = cell_residuals(found, problem.paper, cells, problem.cases)
+        wrong = cell_residuals(found, problem.paper, cells, problem.cases, SEARCH_SCATTER)
         return float(wrong @ wrong + trial @ trial)
 
     size = len(own)

@@ -102,7 +102,9 @@ def tables(description: dict[str, Any]) -> Iterator[Table]:
 
 
 def _variables(variables: list[dict[str, Any]]) -> Table:
-    table = Table(*_COLUMNS, title="variables", title_justify="left")
+    table = Table(title="variables", title_justify="left")
+    for heading in _COLUMNS:
+        table.add_column(heading, overflow="fold", no_wrap=heading in ("name", "unit"))
     families = Counter(_family(v["name"]) for v in variables)
     shown: set[str] = set()
     for v in variables:

@@ -1,0 +1,54 @@
+# One line per target; `make help` lists them.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help run test test-slow lint types layers fix fmus ssp data figures bench clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+.venv/user: pyproject.toml
+	$(PYTHON) -m venv .venv && $(BIN)/python -m pip install --quiet --upgrade pip && $(BIN)/pip install --quiet --editable . && touch $@
+
+.venv/developer: .venv/user
+	$(BIN)/pip install --quiet --editable '.[dev]' && touch $@
+
+run: .venv/user  ## install, build the FMUs, simulate Case 1; results and picture in results/
+	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1
+
+test: lint types layers  ## lint, types, layers, tests and doctests
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-slow: .venv/developer  ## the tests that take minutes
+	$(BIN)/python -m pytest -n 2 -m slow
+
+lint: .venv/developer  ## style and errors (ruff)
+	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+
+types: .venv/developer  ## static types (mypy)
+	$(BIN)/mypy
+
+layers: .venv/developer  ## who may import whom (import-linter)
+	$(BIN)/lint-imports
+
+fix: .venv/developer  ## repair what ruff can repair
+	$(BIN)/ruff check --fix . ; $(BIN)/ruff format .
+
+fmus: .venv/user  ## build the FMUs and the SSP into build/
+	$(BIN)/curvesqueal build
+
+ssp: .venv/user  ## write the SSDs and parameter sets in ssp/ from the contract
+	$(BIN)/python -c "from pathlib import Path; from fmus.packaging.build import write_system_structure; write_system_structure(Path('ssp'))"
+
+data: .venv/user  ## make the shipped wheel and rail data again
+	$(BIN)/python -m fmus.wheel.finite_elements && $(BIN)/python -m fmus.rail.regenerate
+
+figures: .venv/user  ## friction curves (Fig. 5) and wheel pictures
+	$(BIN)/curvesqueal friction && $(BIN)/python -m orchestrator.report_wheel results
+
+bench: .venv/developer  ## time per step of the components and of the master, as ratios
+	$(BIN)/python benchmarks/steps.py
+
+clean:  ## remove what was built
+	rm -rf build results .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis
