@@ -25,15 +25,16 @@ def kernel(function: Kernel) -> Kernel:
         return function
     import numba  # noqa: PLC0415 - optional
 
-    before = numba.config.CACHE_DIR
+    config: Any = numba.config
+    before = config.CACHE_DIR
     compiled: Kernel
     try:
-        numba.config.CACHE_DIR = _cache_folder()
+        config.CACHE_DIR = _cache_folder()
         compiled = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
         compiled = numba.njit(error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
     return compiled
 
 

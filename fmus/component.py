@@ -115,10 +115,14 @@ class Component:
     def from_json(cls, text: str) -> Component:
         """Return the component that `to_json` wrote."""
         data: dict[str, Any] = json.loads(text)
-        data["variables"] = tuple(
-            Variable(**{k: tuple(x) if isinstance(x, list) else x for k, x in v.items()}) for v in data["variables"]
-        )
+        data["variables"] = tuple(_variable(v) for v in data["variables"])
         return cls(**data)
+
+
+def _variable(data: dict[str, Any]) -> Variable:
+    """Return a variable of its JSON object, in which tuples have become lists."""
+    fields: Any = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
+    return Variable(**fields)
 
 
 class Instance:

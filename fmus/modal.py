@@ -208,9 +208,7 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
         (f"shape_{d}", SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
         for j, d in enumerate(DIRECTIONS)
     ]
-    blocks += [
-        (INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)
-    ]
+    blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
     return tuple(
         Variable(
             f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}",

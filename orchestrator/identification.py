@@ -4,7 +4,7 @@ Comes in: the generic wheelset's modes (frequencies of Table 4 imposed), the ana
 Goes out: the lateral and vertical amplitudes of twelve modes and the vertical one of the rigid body, with standard
 deviations. Frequencies, damping, all other modes and the sine families stay as they are.
 
-`python -m orchestrator.identification` writes `class158.toml` anew; the same sources make the same file.
+`identification_data.py` writes the outcome as the data of `fmus.wheel`.
 """
 
 from __future__ import annotations
@@ -99,6 +99,7 @@ class Identification:
     amplitudes : the best ones
     deviation : (25,) standard deviations of ln(lateral) [-], normal [kg^-1/2] and ln(mass_factor) [-]
     frequency_hz, gain : (4, 8) crossings by the scalar formula; 0 where there is none
+    cost : half the sum of squared residuals, prior included
     """
 
     hertz_stiffness: float
@@ -107,6 +108,7 @@ class Identification:
     deviation: Real
     frequency_hz: Real
     gain: Real
+    cost: float
 
 
 @dataclass(frozen=True)
@@ -190,14 +192,32 @@ def identify(
     vector = np.zeros(2 * len(FREE_MODES) + 1)
     for group in range(len(GROUPS)):
         vector = _search_group(problem, vector, group)
+    return _polished(problem, vector, hertz_stiffness)
+
+
+def continued(
+    modes: Modes, rail: Mobility, paper: PaperTable, hertz_stiffness: float, start: Identification
+) -> Identification:
+    """Return the fit for another contact spring, from that for a near one and without a global search.
+
+    The mass at the contact is first changed with the spring, so that the contact resonance stays where it is.
+    """
+    problem = make_problem(modes, rail, paper, hertz_stiffness, start.cases)
+    factor = start.amplitudes.mass_factor * (start.hertz_stiffness / hertz_stiffness) ** 0.5
+    begin = replace(start.amplitudes, mass_factor=factor)
+    return _polished(problem, begin.vector(problem.prior), hertz_stiffness)
+
+
+def _polished(problem: Problem, vector: Real, hertz_stiffness: float) -> Identification:
+    """Return the outcome of least squares over all amplitudes."""
     best = least_squares(problem.residuals, vector, max_nfev=60, diff_step=1e-5)
     found = problem.model.crossings(*problem.amplitudes(best.x))
     covariance = np.linalg.inv(best.jac.T @ best.jac)
     n = len(FREE_MODES)
     scale = np.concatenate([np.full(n, LATERAL_PRIOR), np.full(n, NORMAL_PRIOR), [MASS_PRIOR]])
     return Identification(
-        hertz_stiffness, cases, Amplitudes.of(best.x, problem.prior),
-        scale * np.sqrt(np.diag(covariance)), found.frequency_hz, found.gain,
+        hertz_stiffness, problem.cases, Amplitudes.of(best.x, problem.prior),
+        scale * np.sqrt(np.diag(covariance)), found.frequency_hz, found.gain, float(best.cost),
     )  # fmt: skip
 
 
@@ -257,3 +277,9 @@ def with_amplitudes(modes: Modes, amplitudes: Amplitudes, turn: Real) -> Modes:
     for name in RIGID:
         shape[modes.labels.index(f"{name} cosine"), 2] *= amplitudes.mass_factor
     return replace(modes, shape=shape @ turn)
+
+
+if __name__ == "__main__":
+    from .identification_data import write_identification
+
+    write_identification(report=print)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +90,7 @@ class LateralModel:
             self,
             omega=self.omega[keep],
             cells=cells,
-            window=tuple(slice(int(a), int(b)) for a, b in zip(ends, ends[1:], strict=False)),
+            window=tuple(slice(int(a), int(b)) for a, b in pairwise(ends)),
             term=self.term[np.ix_(keep, columns)],
             fixed=self.fixed[:, keep] + shapes @ self.term[np.ix_(keep, rest)].T,
             rail=self.rail[:, keep],
@@ -146,7 +147,7 @@ def lateral_model(modes: Modes, free: Sequence[int], rail: Mobility, contacts: S
     return LateralModel(
         omega=omega,
         cells=CELL_MODES,
-        window=tuple(slice(int(a), int(b)) for a, b in zip(ends, ends[1:], strict=False)),
+        window=tuple(slice(int(a), int(b)) for a, b in pairwise(ends)),
         term=1j * w / (w0**2 - w**2 + 2j * zeta * w0 * w),
         fixed=_lateral_and_normal(turn @ mobility(omega, rest) @ turn.T),
         rail=_lateral_and_normal(turn @ rail(omega) @ turn.T),

@@ -58,8 +58,8 @@ def test_master_steps_as_the_components_do_by_hand(case1: System, tmp_path: Path
     """
     path = tmp_path / "r.nc"
     run(case1, Settings(H, 400 * H, algorithm, record_every=1), path)
-    pulse = {"pulse_force": 100.0, "pulse_duration": 1e-4}
-    record = Coupled.of(1, H, jacobi=algorithm == "jacobi", **pulse).run(400)
+    system = Coupled.of(1, H, jacobi=algorithm == "jacobi", pulse_force=100.0, pulse_duration=1e-4)
+    record = system.run(400)
     with open_results(path) as data:
         assert data.sizes["time"] == 400
         for name, component in (("wheel", "v_lat"), ("rail", "u_ver")):

@@ -210,7 +210,7 @@ def test_fmu_runs_alone_with_an_input_signal(built: Path, name: str, column: str
     ("parameters", "inputs", "message"),
     [
         ({"mu0": -1.0}, {}, "mu0 = -1: must be in the range 0 to 2"),
-        ({}, {"wheel_v_lat": float("nan")}, "input wheel_v_lat = nan: must be a finite number"),
+        ({}, {"wheel_v_lat": float("nan")}, "wheel_v_lat = nan: must be a finite number"),
     ],
 )
 def test_a_fault_is_an_error_that_names_the_variable(

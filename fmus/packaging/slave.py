@@ -50,7 +50,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self.modelName = component.name
         self.running = False
         self._places = np.array([self.instance.place(i) for i in range(len(component.variables))])
-        self._resolved: dict[tuple[str, tuple[int, ...]], NDArray[np.intp]] = {}
+        self._resolved: dict[tuple[str, tuple[int, ...]], tuple[NDArray[np.intp], bool]] = {}
 
     def to_xml(self, *_options: Any) -> Element:
         """Return the model description."""
@@ -65,8 +65,6 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         """Advance by one step."""
         if not step_size > 0.0:
             raise ValueError(f"step size {step_size}: must be > 0")
-        if not math.isfinite(self.instance.inputs.sum()):
-            raise ValueError(f"t = {current_time}: {self._bad_input()}: must be a finite number")
         self.instance.do_step(step_size)
         return True
 
@@ -97,27 +95,30 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     def _get(self, kind: str, vrs: list[int]) -> list[float]:
         if not self.running:
             self.instance.initialise()
-        values: list[float] = self.instance.memory[self._resolve(kind, vrs)].tolist()
+        places, _ = self._resolve(kind, vrs)
+        values: list[float] = self.instance.memory[places].tolist()
         return values
 
     def _set(self, kind: str, vrs: list[int], values: list[Any]) -> None:
-        places = self._resolve(kind, vrs)
-        for vr, value in zip(vrs, values, strict=True):
-            variable = self.instance.component.variables[vr]
-            if variable.causality != "input":
-                self._check_settable(variable, float(value))
+        places, only_inputs = self._resolve(kind, vrs)
+        if not (only_inputs and math.isfinite(sum(values))):
+            for vr, value in zip(vrs, values, strict=True):
+                self._check_settable(self.instance.component.variables[vr], float(value))
         self.instance.memory[places] = values
 
     def _check_settable(self, variable: Variable, value: float) -> None:
-        """Raise ValueError unless a parameter may be set now, to this value."""
-        if variable.causality != "parameter":
+        """Raise ValueError unless a variable may be set now, to this value."""
+        if variable.causality not in ("parameter", "input"):
             raise ValueError(f"{variable.name} is calculated by the component; it cannot be set")
-        if self.running and not variable.tunable:
+        if self.running and variable.causality == "parameter" and not variable.tunable:
             raise ValueError(f"{variable.name} is a fixed parameter; it cannot be set after initialisation")
         variable.check(value)
 
-    def _resolve(self, kind: str, vrs: list[int]) -> NDArray[np.intp]:
-        """Return where in memory some value references stand; checked once, then remembered for the hot path."""
+    def _resolve(self, kind: str, vrs: list[int]) -> tuple[NDArray[np.intp], bool]:
+        """Return where in memory some value references stand, and whether all are inputs.
+
+        Checked once, then remembered for the hot path.
+        """
         key = (kind, tuple(vrs))
         found = self._resolved.get(key)
         if found is None:
@@ -127,13 +128,9 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
                 variable = self.instance.component.variables[vr]
                 if variable.kind != kind:
                     raise TypeError(f"{variable.name} is of type {variable.kind}, not {kind}")
-            found = self._resolved[key] = self._places[vrs]
+            only_inputs = all(self.instance.component.variables[vr].causality == "input" for vr in vrs)
+            found = self._resolved[key] = (self._places[vrs], only_inputs)
         return found
-
-    def _bad_input(self) -> str:
-        """Name the first input that is not a finite number, with its value."""
-        values = zip(self.instance.component.of("input"), self.instance.inputs, strict=True)
-        return next(f"input {v.name} = {value}" for v, value in values if not math.isfinite(value))
 
     def _get_fmu_state(self) -> dict[str, Any]:
         return {"snapshot": self.instance.memory.tobytes(), "running": self.running}

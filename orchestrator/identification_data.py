@@ -1,0 +1,158 @@
+"""The identified wheelset as data: `class158.toml` and `class158-identification.toml` in `fmus/wheel/data`.
+
+The same sources make the same files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.component import Instance
+from fmus.contact.component import contact
+from fmus.contact.hertz import ellipse
+from fmus.contact.parameters import P
+from fmus.modal import Modes
+from fmus.modal_data import ModalData, format_modal_data
+from fmus.rail.track_data import TRACKS, read_track
+from fmus.wheel.class158 import IDENTIFICATION, MODES, PRIOR
+from fmus.wheel.wheelset import read_wheelset
+
+from .frequency_domain import linear_contact, of_track
+from .identification import FREE_MODES, RIGID, Identification, continued, identify, with_amplitudes
+from .paper_table import CELL_MODES, read_paper_table
+
+Real = NDArray[np.float64]
+
+TRADE_OFF = (1.2e9, 1.4e9, 1.9e9, 2.2e9)
+"""Stiffnesses that the fit is repeated with [N/m]."""
+
+TITLE = "Class 158 wheelset, contact amplitudes identified from Table 4"
+SOURCE = (
+    "Ding, Squicciarini and Thompson (2016), Table 4: natural frequencies, and by `python -m orchestrator.identification` "
+    "the contact amplitudes of the modes that say so. All else is the generic 840 mm wheelset, generic840.toml."
+)
+
+
+def table1_stiffness() -> float:
+    """Return the stiffness of the contact spring by Hertz from the semi-axes and the load of Tables 1 and 3 [N/m]."""
+    p = Instance(contact()).parameters
+    axes = float(p[P.semi_axis_lon]), float(p[P.semi_axis_lat])
+    young = read_track(TRACKS / "default.toml").section.young_modulus
+    return ellipse(*axes, float(p[P.normal_load]), young, float(p[P.poisson_ratio])).stiffness
+
+
+def prior_modes() -> Modes:
+    """Return the modes of the finite elements that the identification starts from."""
+    return read_wheelset(PRIOR).modes
+
+
+def write_identification(folder: Path = MODES.parent, report: Callable[[str], None] = lambda _: None) -> None:
+    """Identify the wheelset and write both files into `folder`.
+
+    Parameters
+    ----------
+    report : called with a line of text after each fit
+    """
+    modes, rail, paper = prior_modes(), of_track(read_track(TRACKS / "default.toml")), read_paper_table()
+    stiffness = table1_stiffness()
+    best = identify(modes, rail, paper, stiffness)
+    report(summary(best))
+    blind = identify(modes, rail, paper, stiffness, (1, 2))
+    report(summary(blind))
+    others = []
+    for side in (_beside(stiffness, 1), _beside(stiffness, -1)):
+        last = best
+        for other in side:
+            tried = (continued(modes, rail, paper, other, last), identify(modes, rail, paper, other))
+            last = min(tried, key=lambda i: i.cost)
+            others.append(last)
+            report(summary(last))
+    turn = linear_contact().turn
+    fitted = with_amplitudes(modes, best.amplitudes, turn)
+    (folder / MODES.name).write_text(_with_sources(fitted, best), encoding="utf-8", newline="\n")
+    others = sorted([*others, best], key=lambda i: i.hertz_stiffness)
+    (folder / IDENTIFICATION.name).write_text(_report(best, blind, others), encoding="utf-8", newline="\n")
+
+
+def _beside(stiffness: float, sign: int) -> list[float]:
+    """Return the stiffnesses of the trade-off above (1) or below (-1) one of them, the nearest first."""
+    return sorted((k for k in TRADE_OFF if sign * (k - stiffness) > 0), key=lambda k: sign * k)
+
+
+def summary(fit: Identification) -> str:
+    """Return one line about a fit."""
+    paper = read_paper_table()
+    right = int(((fit.gain > 1) == paper.unstable).sum())
+    cells = f"{right} of {paper.gain.size} cells"
+    return f"K_H {fit.hertz_stiffness:.4g} N/m, cases {fit.cases}: {cells}, rms ln(gain) {log_error(fit):.4f}"
+
+
+def log_error(fit: Identification, cases: tuple[int, ...] = (1, 2, 3, 4)) -> float:
+    """Return the rms of ln(gain/paper gain) over the crossings that both have."""
+    paper = read_paper_table()
+    both = paper.unstable & (fit.gain > 1) & np.isin(np.arange(1, 5), cases)[:, None]
+    return float(np.sqrt(np.mean(np.log(fit.gain[both] / paper.gain[both]) ** 2)))
+
+
+def _with_sources(modes: Modes, fit: Identification) -> str:
+    """Return the modal data file, each identified mode with its own source."""
+    tables = format_modal_data(ModalData(TITLE, SOURCE, modes)).split("[[mode]]\n")
+    n = len(FREE_MODES)
+    for k, name in enumerate(FREE_MODES):
+        i = modes.labels.index(f"{name} cosine")
+        tables[i + 1] = tables[i + 1].rstrip("\n") + (
+            f'\nsource = "identified from Table 4; contact axes, standard deviations: lateral '
+            f"{fit.amplitudes.lateral[k]:.5f} +- {fit.amplitudes.lateral[k] * fit.deviation[k]:.5f}, normal "
+            f'{fit.amplitudes.normal[k]:.5f} +- {fit.deviation[n + k]:.5f} kg^-1/2"\n\n'
+        )
+    for name in RIGID:
+        i = modes.labels.index(f"{name} cosine")
+        tables[i + 1] = tables[i + 1].rstrip("\n") + (
+            f'\nsource = "identified from Table 4: normal amplitude {fit.amplitudes.mass_factor:.4f} times that of the '
+            f'finite elements, standard deviation {100 * fit.deviation[-1]:.0f} %"\n\n'
+        )
+    return "[[mode]]\n".join(tables).rstrip("\n") + "\n"
+
+
+def _report(best: Identification, blind: Identification, others: list[Identification]) -> str:
+    """Return the file about the identification."""
+    paper = read_paper_table()
+    lines = [
+        "# How class158.toml was found; written by `python -m orchestrator.identification`.",
+        "",
+        "[hertz_stiffness]",
+        f"value = {best.hertz_stiffness!r}",
+        'unit = "N/m"',
+        'source = "Hertz, from the semi-axes and the normal force of Tables 1 and 3 of the paper"',
+        "",
+        "[fit]",
+        f"rms_ln_gain = {log_error(best):.4f}",
+        f"cells_right = {int(((best.gain > 1) == paper.unstable).sum())}",
+        "",
+        "# Fitted to Cases 1 and 2 only; what that predicts for Cases 3 and 4, 0 where stable.",
+        "[prediction]",
+        f"rms_ln_gain_fitted = {log_error(blind, (1, 2)):.4f}",
+        f"cells_right = {int(((blind.gain > 1) == paper.unstable)[2:].sum())}",
+        f"cells = {list(CELL_MODES)!r}".replace("'", '"'),
+        f"gain_case3 = {_numbers(blind.gain[2])}",
+        f"gain_case4 = {_numbers(blind.gain[3])}",
+    ]
+    for other in others:
+        lines += [
+            "",
+            "[[trade_off]]",
+            f"hertz_stiffness = {other.hertz_stiffness:.4e}",
+            f"rms_ln_gain = {log_error(other):.4f}",
+            f"cells_right = {int(((other.gain > 1) == paper.unstable).sum())}",
+            f"mass_factor = {other.amplitudes.mass_factor:.3f}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _numbers(values: Real) -> str:
+    return "[" + ", ".join(f"{value:.3f}" for value in values) + "]"
