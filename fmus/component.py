@@ -159,13 +159,15 @@ class Instance:
         for name, value in (parameters or {}).items():
             self.set_parameter(name, value)
 
-    def place(self, index: int) -> int:
-        """Return where in `memory` the value of variable number `index` stands."""
-        variable = self.component.variables[index]
-        before = sum(v.causality == variable.causality for v in self.component.variables[:index])
+    def places(self) -> list[int]:
+        """Return where in `memory` the value of each variable stands."""
         n, d, s, i = (a.size for a in (self.parameters, self.derived, self.state, self.inputs))
-        offset = {"parameter": 0, "calculatedParameter": n, "input": n + d + s, "output": n + d + s + i}
-        return offset[variable.causality] + before
+        following = {"parameter": 0, "calculatedParameter": n, "input": n + d + s, "output": n + d + s + i}
+        places = []
+        for variable in self.component.variables:
+            places.append(following[variable.causality])
+            following[variable.causality] += 1
+        return places
 
     def set_parameter(self, name: str, value: float) -> None:
         """Set one parameter by name, checked against its declared range."""

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from .analysis import sample_interval, spectrum
 
@@ -23,8 +24,8 @@ STYLE: Any = {
     "lines.linewidth": 0.9,
 }
 
-COLOURS = {"wheel": "#0b5394", "rail": "#c2570c"}
-LINES = {"wheel": "-", "rail": "--"}
+COLOURS: Any = {"wheel": "#0b5394", "rail": "#c2570c"}
+LINES: Any = {"wheel": "-", "rail": "--"}
 WORDS = {"lat": "Lateral", "ver": "Vertical"}
 
 SHOWN_HZ = 6000.0
@@ -51,7 +52,8 @@ def draw_run(data: xr.Dataset, path: Path) -> None:
                 xlabel="Frequency [Hz]", ylabel="Velocity amplitude [m/s]", title="second half", yscale="log",
                 xlim=(0, SHOWN_HZ),
             )  # fmt: skip
-        axes[0, 0].legend(loc="upper left")
+        handles = [Line2D([], [], color=COLOURS[c], linestyle=LINES[c], label=c) for c in COLOURS]
+        figure.legend(handles=handles, loc="upper right", ncols=2)
         figure.savefig(path, dpi=150)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -19,34 +20,23 @@ from fmus.interface import DEFAULT_STEP, DIRECTIONS
 from .errors import InputError, SimulationError
 from .fmu import Fmu, open_fmu
 from .mobility import published_mobility, with_step
-from .rail_passivity import Mobility, estimate_mobility, find_activity, find_growth
-from .rail_probe import NOMINAL, OPTIONAL, PORTS, Probe, Signal, impulse_responses, in_si, read_mapping
-from .units import conversion
+from .rail_declaration import FAIL, NOT_OFFERED, NOT_RUN, PASS, Check, check_declaration
+from .rail_passivity import Mobility, Responses, estimate_mobility, find_activity, find_growth
+from .rail_probe import NOMINAL, PORTS, Motion, Probe, Signal, impulse_responses, in_si, read_mapping
 
 Real = NDArray[np.float64]
 
-PASS, FAIL, NOT_OFFERED, NOT_RUN = "pass", "fail", "not offered", "not run"
-
 LINEAR = 1e-6
 RECIPROCAL = 1e-3
-INTEGRAL = 0.02
+INTEGRAL = 0.25
 STEPS_AGREE = 0.02
 """Largest deviations that pass, relative to the largest value: of a superposition, of transposed elements, of a
 displacement from the trapezoidal integral of its velocity, of responses with other steps."""
 
-STEP_FACTORS = (0.2, 0.5, 1.0, 2.0, 5.0)
-"""Steps that are tried, relative to the one asked for."""
+STEP_FACTORS = {0.2: 50, 0.5: 20, 1.0: 10, 2.0: 5, 5.0: 2}
+"""Steps that are tried, relative to the one asked for, and how many make ten of that."""
 
 RANDOM_STEPS = 2000
-
-
-@dataclass(frozen=True)
-class Check:
-    """One row: a demand, how it ended and the numbers behind it."""
-
-    name: str
-    status: str
-    detail: str
 
 
 @dataclass(frozen=True)
@@ -92,66 +82,36 @@ def check_rail(path: Path, mapping_texts: Sequence[str] = (), step: float = DEFA
     declared, factors = check_declaration(fmu, mapping)
     if any(check.status == FAIL for check in declared):
         return RailReport(path, step, (*declared, Check("running", NOT_RUN, "what the FMU declares fails")), None)
-    rail = _Rail(fmu, in_si(mapping, factors), step)
+    mapping = in_si(mapping, factors)
     try:
-        rail.responses = impulse_responses(fmu, rail.mapping, step)
+        rail = _Rail(fmu, mapping, step, impulse_responses(fmu, mapping, step))
     except SimulationError as error:
         return RailReport(path, step, (*declared, Check("running", FAIL, str(error))), None)
     checks = [_attempt(name, check, rail) for name, check in _RUNNING.items()]
-    return RailReport(path, step, (*declared, *checks), estimate_mobility(rail.responses, step))
-
-
-def check_declaration(fmu: Fmu, mapping: Mapping[str, Signal]) -> tuple[list[Check], dict[str, float]]:
-    """Return the rows on names, units and causality, and the factors to SI units."""
-    present = {name: signal for name, signal in mapping.items() if signal.variable in fmu.variables}
-    faults = [f"{n}: the FMU has no variable {s.variable!r}" for n, s in mapping.items() if n not in present]
-    faults += [f"{name} is missing" for name in PORTS if name not in mapping and name not in OPTIONAL]
-    fed = {signal.variable for name, signal in present.items() if name.startswith("f_")}
-    faults += [f"nothing feeds the input {name}" for name in fmu.names("input") if name not in fed]
-    without = [name for name in OPTIONAL if name not in mapping]
-    said = f"without {', '.join(without)}, which the contact does not need" if without else f"all {len(PORTS)}"
-    rows = [_row("names", faults, said)]
-    unit_row, factors = _check_units(fmu, present)
-    faults = []
-    for name, signal in present.items():
-        variable, wanted = fmu.variables[signal.variable], "input" if name.startswith("f_") else "output"
-        if (variable.causality, variable.type) != (wanted, "Real"):
-            faults.append(f"{signal.variable} is {variable.causality} of type {variable.type}; must be {wanted}, Real")
-    return [*rows, unit_row, _row("causality", faults, "4 force inputs, the rest outputs")], factors
-
-
-def _check_units(fmu: Fmu, mapping: Mapping[str, Signal]) -> tuple[Check, dict[str, float]]:
-    """Return the row on units and what turns each variable into the contract's unit."""
-    factors, faults, silent = {}, [], []
-    for name, signal in mapping.items():
-        unit = fmu.unit(signal.variable) or signal.unit
-        factors[name] = 1.0
-        if unit is None:
-            silent.append(signal.variable)
-            continue
-        try:
-            factors[name], _ = conversion(unit, PORTS[name].unit, signal.variable)
-        except InputError as error:
-            faults.append(str(error))
-    if silent and not faults:
-        return Check("units", NOT_OFFERED, f"{len(silent)} variables without a unit are taken as SI"), factors
-    converted = sum(factor != 1.0 for factor in factors.values())
-    return _row("units", faults, f"{converted} converted" if converted else "SI"), factors
-
-
-def _row(name: str, faults: Sequence[str], said: str) -> Check:
-    """Return a failed row with its faults, or a passed one."""
-    return Check(name, FAIL, "; ".join(faults)) if faults else Check(name, PASS, said)
+    return RailReport(path, step, (*declared, *checks), estimate_mobility(rail.responses))
 
 
 @dataclass
 class _Rail:
-    """A rail under test: FMU, mapping to SI, step, and its impulse responses (n, 4, 4)."""
+    """A rail under test: FMU, mapping to SI, step, and its impulse responses."""
 
     fmu: Fmu
     mapping: Mapping[str, Signal]
     step: float
-    responses: Real = None  # type: ignore[assignment] # known before the first check runs
+    responses: Responses
+
+    @cached_property
+    def forces(self) -> Real:
+        """Forces with a mean and a scatter of ten nominal ones, always the same."""
+        return np.asarray(10 * NOMINAL * (1 + np.random.default_rng(1).standard_normal((RANDOM_STEPS, 4))))
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What these forces do to the rail at rest."""
+        probe = self.probe()
+        motion = probe.run(self.forces)
+        probe.close()
+        return motion
 
     def probe(self, step: float | None = None) -> Probe:
         """Return a new instance."""
@@ -182,18 +142,10 @@ def _rest(rail: _Rail) -> tuple[str, str]:
     return PASS, "no force, no motion"
 
 
-def random_forces(steps: int) -> Real:
-    """Return forces (steps, 4) with a mean and a scatter of 10 nominal forces, always the same."""
-    return np.asarray(10 * NOMINAL * (1 + np.random.default_rng(1).standard_normal((steps, 4))))
-
-
 def _linearity(rail: _Rail) -> tuple[str, str]:
     """Random forces in all directions give the superposition of the impulse responses."""
-    forces = random_forces(RANDOM_STEPS)
-    probe = rail.probe()
-    velocity = probe.run(forces).velocity
-    probe.close()
-    pulses = rail.responses[:RANDOM_STEPS]
+    forces, velocity = rail.forces, rail.motion.velocity
+    pulses = rail.responses.velocity[:RANDOM_STEPS]
     expected = sum(fftconvolve(pulses[:, :, k], forces[:, k : k + 1], axes=0)[:RANDOM_STEPS] for k in range(4))
     deviation = float((np.abs(velocity - expected).max(axis=0) / _largest(velocity)).max())
     return _verdict(deviation <= LINEAR), f"ten times the force and all directions at once: {deviation:.1e} off"
@@ -205,13 +157,23 @@ def _largest(values: Real) -> Real:
     return np.where(largest > 0, largest, 1.0)
 
 
+def _ways(velocity: Real, step: float) -> Real:
+    """Return how far each step goes by the trapezoidal rule, from rest."""
+    return np.asarray(step / 2 * (velocity + np.vstack([np.zeros(4), velocity[:-1]])))
+
+
 def _displacement(rail: _Rail) -> tuple[str, str]:
-    """The displacements are the integrals of the velocities."""
+    """Displacements are the integrals of the velocities, during a smooth push.
+
+    Notes
+    -----
+    The limit is wide: what very fast modes move between the ends of the steps is in the displacement only. Wrong signs,
+    units and directions are far beyond it.
+    """
     probe = rail.probe()
-    motion = probe.run(random_forces(RANDOM_STEPS))
+    motion = probe.run(np.hanning(RANDOM_STEPS)[:, None] * NOMINAL)
     probe.close()
-    before = np.vstack([np.zeros(4), motion.velocity[:-1]])
-    integral = np.cumsum(rail.step / 2 * (before + motion.velocity), axis=0)
+    integral = np.cumsum(_ways(motion.velocity, rail.step), axis=0)
     offered = [j for j, d in enumerate(DIRECTIONS) if f"u_{d}" in rail.mapping]
     deviation = (np.abs(motion.displacement - integral).max(axis=0) / _largest(integral))[offered]
     worst = int(np.argmax(deviation))
@@ -222,52 +184,50 @@ def _displacement(rail: _Rail) -> tuple[str, str]:
 
 def _passivity(rail: _Rail) -> tuple[str, str]:
     """No force history takes more energy out than it put in."""
-    growing = find_growth(rail.responses, rail.step)
+    growing = find_growth(rail.responses)
     if growing is not None:
         return FAIL, f"active: {growing}"
-    active = find_activity(estimate_mobility(rail.responses, rail.step), rail.step)
+    active = find_activity(estimate_mobility(rail.responses), rail.step)
     if active is not None:
         return FAIL, f"active: {active}"
-    forces = random_forces(RANDOM_STEPS)
-    probe = rail.probe()
-    velocity = probe.run(forces).velocity
-    probe.close()
-    before = np.vstack([np.zeros(4), velocity[:-1]])
-    energy = np.cumsum((forces * rail.step / 2 * (before + velocity)).sum(axis=1))
+    exact = np.diff(rail.motion.displacement, axis=0, prepend=0.0)
+    way = np.where(np.isfinite(exact), exact, _ways(rail.motion.velocity, rail.step))
+    energy = np.cumsum((rail.forces * way).sum(axis=1))
     said = f"random forces put in {energy[-1]:.3g} J and never less than {min(energy.min(), 0.0):.1g} J"
     return _verdict(energy.min() >= -1e-6 * np.abs(energy).max()), said
 
 
 def _reciprocity(rail: _Rail) -> tuple[str, str]:
     """Velocity in j per force in k is velocity in k per force in j."""
-    size = np.abs(rail.responses).max(axis=0)
+    pulses = rail.responses.velocity
+    size = np.abs(pulses).max(axis=0)
     diagonal = np.sqrt(np.where(np.diag(size) > 0, np.diag(size), 1.0))
     scale = np.outer(diagonal, diagonal)
     if np.allclose(size, np.diag(np.diag(size)), atol=0.0):
         return PASS, "no cross terms"
-    off = np.abs(rail.responses - rail.responses.transpose(0, 2, 1)).max(axis=0) / scale
+    off = np.abs(pulses - pulses.transpose(0, 2, 1)).max(axis=0) / scale
     j, k = np.unravel_index(int(np.argmax(off)), off.shape)
     said = f"{DIRECTIONS[j]} per {DIRECTIONS[k]} is {off[j, k]:.1e} off its transpose"
     return _verdict(bool(off[j, k] <= RECIPROCAL)), said
 
 
 def _interface_mobility(rail: _Rail) -> tuple[str, str]:
-    """The published interface mobility is the velocity after one step per force held over it."""
+    """Check the published interface mobility: velocity after one step per force held over it."""
     own_names = all(signal == Signal(name) for name, signal in rail.mapping.items())
     parameters = with_step(rail.fmu, {}, rail.step)
     published = published_mobility(rail.fmu, parameters) if own_names else None
     if published is None:
         return NOT_OFFERED, "y_*_* not published in the contract's names; the master measures it"
-    measured = rail.responses[0]
+    measured = rail.responses.velocity[0]
     deviation = float(np.abs(published - measured).max() / (np.abs(measured).max() or 1.0))
     return _verdict(deviation <= LINEAR), f"published y_*_* is {deviation:.1e} off the measured one"
 
 
 def _state(rail: _Rail) -> tuple[str, str]:
-    """A state that is set again leads to the same future."""
+    """Go back to an earlier state: the same future follows."""
     if not rail.fmu.description.coSimulation.canGetAndSetFMUstate:
         return NOT_OFFERED, "canGetAndSetFMUstate is false; the coupling does not need it"
-    forces = random_forces(400)
+    forces = rail.forces[:400]
     probe = rail.probe()
     probe.run(forces[:200])
     state = probe.get_state()
@@ -281,16 +241,14 @@ def _state(rail: _Rail) -> tuple[str, str]:
 
 
 def _step_range(rail: _Rail) -> tuple[str, str]:
-    """The answer to a suddenly applied force does not depend on the step."""
+    """Answers to a suddenly applied force do not depend on the step."""
     if not rail.fmu.description.coSimulation.canHandleVariableCommunicationStepSize:
         return NOT_OFFERED, f"only {rail.step:g} s is tried: canHandleVariableCommunicationStepSize is false"
-    length = 200  # of the longest step
     moves, faults = {}, {}
-    for factor in STEP_FACTORS:
-        every = round(max(STEP_FACTORS) / factor)
+    for factor, every in STEP_FACTORS.items():
         try:
             probe = rail.probe(factor * rail.step)
-            moves[factor] = probe.run(np.tile(NOMINAL, (length * every, 1))).velocity[every - 1 :: every]
+            moves[factor] = probe.run(np.tile(NOMINAL, (100 * every, 1))).velocity[every - 1 :: every]
             probe.close()
         except SimulationError as error:
             faults[factor] = str(error)

@@ -30,6 +30,22 @@ GROWTH = 0.01
 
 
 @dataclass(frozen=True)
+class Responses:
+    """Answers of a structure at rest to a unit force held over the first step.
+
+    Attributes
+    ----------
+    velocity : (n, 4, 4) at the ends of the steps, [:, j, k] in direction j per force in direction k
+    way : (n, 4, 4) displacement from the beginning to the end of each step, NaN where it is not offered
+    step : [s]
+    """
+
+    velocity: Real
+    way: Real
+    step: float
+
+
+@dataclass(frozen=True)
 class Mobility:
     """Velocity per force over frequency.
 
@@ -45,46 +61,42 @@ class Mobility:
     shift: float
 
 
-def estimate_mobility(responses: Real, step: float) -> Mobility:
-    """Return the mobility of a structure from its answers to a unit force held over one step.
-
-    Parameters
-    ----------
-    responses : (n, 4, 4) array
-        Velocities at the ends of the steps, [:, j, k] in direction j per force in direction k.
-    step : float
-        [s]
+def estimate_mobility(responses: Responses) -> Mobility:
+    """Return the mobility of a structure from its impulse responses.
 
     Notes
     -----
-    Laplace transform of the response over that of the force, both at s = shift + j omega. A response that has not
-    settled is made to by the shift, which keeps a passive structure passive: Re Y(s) >= 0 for all Re s > 0.
+    Laplace transform of the velocity over that of the force, both at s = shift + j omega. Where displacements are
+    offered they make the velocity, so that what fast modes do between the ends of the steps is not lost. A response that
+    has not settled is made to by the shift, which keeps a passive structure passive: Re Y(s) >= 0 for all Re s > 0.
     """
-    size = np.abs(responses).max(axis=(1, 2), initial=0.0)
+    step, offered = responses.step, np.isfinite(responses.way)
+    record = np.where(offered, responses.way / step, responses.velocity)
+    size = np.abs(record).max(axis=(1, 2), initial=0.0)
     end = size[-max(size.size // 20, 1) :].max() / max(size.max(), np.finfo(float).tiny)
     shift = float(max(np.log(max(end, REMAINDER) / REMAINDER), 0.0) / (size.size * step))
     times = step * np.arange(1, size.size + 1)
     count = 1 << int(np.ceil(np.log2(max(1 / (step * RESOLUTION_HZ), size.size))))
-    spectrum = np.fft.rfft(responses * np.exp(-shift * times)[:, None, None], count, axis=0)
-    frequency_hz = np.fft.rfftfreq(count, step)
+    spectrum = np.fft.rfft(record * np.exp(-shift * times)[:, None, None], count, axis=0)
+    frequency_hz: Real = np.arange(count // 2 + 1) / (count * step)
     kept = (frequency_hz >= BAND_HZ[0]) & (frequency_hz <= min(BAND_HZ[1], 0.05 / step))
-    omega = 2 * np.pi * frequency_hz[kept]
-    s = shift + 1j * omega
+    s = (shift + 2j * np.pi * frequency_hz[kept])[:, None, None]
     force = -np.expm1(-s * step) / s
-    factor = step * np.exp(-1j * omega * step) / force
-    return Mobility(frequency_hz[kept], factor[:, None, None] * spectrum[kept], shift)
+    factor = step * np.exp(-1j * s.imag * step) / force * np.where(offered[0], step / force, 1.0)
+    return Mobility(frequency_hz[kept], factor * spectrum[kept], shift)
 
 
-def find_growth(responses: Real, step: float) -> str | None:
+def find_growth(responses: Responses) -> str | None:
     """Return the sentence that says which response grows, or None.
 
     Notes
     -----
     Growth rates are the poles of the second half of each response, by rotational invariance of its Hankel matrix.
     """
-    duration = len(responses) * step
+    step = responses.step
+    duration = len(responses.velocity) * step
     for j, direction in enumerate(DIRECTIONS):
-        own = responses[:, j, j]
+        own = responses.velocity[:, j, j]
         tail = own[own.size // 2 :]
         if np.abs(tail).max(initial=0.0) <= 1e-4 * np.abs(own).max(initial=0.0):
             continue
@@ -142,6 +154,4 @@ def _coupled_activity(f: Real, Y: Complex, spare: Real) -> str | None:
     i = int(np.argmin(excess))
     if excess[i] >= 0:
         return None
-    return (
-        f"forces in several directions at {f[i]:.0f} Hz take energy out; the mobility's real part must not be negative"
-    )
+    return f"forces in several directions at {f[i]:.0f} Hz take energy out: the mobility's real part is not positive"

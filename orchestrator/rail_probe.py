@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.interface import DIRECTIONS, STEP_SIZE, Port, structure_inputs, structure_outputs
+from fmus.interface import DIRECTIONS, Port, structure_inputs, structure_outputs
 
 from .errors import InputError, SimulationError
 from .fmu import Fmu, FmuInstance
 from .mobility import with_step
+from .rail_passivity import Responses
 from .system import read_system
 
 Real = NDArray[np.float64]
@@ -180,33 +181,31 @@ def in_si(mapping: Mapping[str, Signal], factors: Mapping[str, float]) -> dict[s
     return {name: replace(signal, factor=signal.factor * factors[name]) for name, signal in mapping.items()}
 
 
-def impulse_responses(fmu: Fmu, mapping: Mapping[str, Signal], step: float) -> Real:
-    """Return velocities per unit force held over the first step, (n, 4, 4): [:, j, k] in j per force in k.
+def impulse_responses(fmu: Fmu, mapping: Mapping[str, Signal], step: float) -> Responses:
+    """Return what a unit force held over the first step does, for each direction of the force.
 
-    Each direction is followed until its own velocity has settled, grown, or lasted `LONGEST`; those that settle sooner
-    are filled with zeros.
+    Each is followed until the velocity in its direction has settled, grown, or lasted `LONGEST`; after that, zeros.
     """
     columns = [_impulse_response(fmu, mapping, step, k) for k in range(4)]
     longest = max(len(column) for column in columns)
-    return np.stack([np.pad(column, ((0, longest - len(column)), (0, 0))) for column in columns], axis=2)
+    padded = np.stack([np.pad(column, ((0, longest - len(column)), (0, 0))) for column in columns], axis=2)
+    padded[:, ~np.isfinite(padded[0])] = np.nan
+    return Responses(padded[:, :4], padded[:, 4:], step)
 
 
 def _impulse_response(fmu: Fmu, mapping: Mapping[str, Signal], step: float, direction: int) -> Real:
-    """Return the velocities (n, 4) per unit force in one direction over the first step."""
+    """Return velocities and ways (n, 8) per unit force in one direction over the first step."""
     block = max(round(BLOCK / step), 50)
     forces = np.zeros((block, 4))
     forces[0, direction] = NOMINAL[direction]
     probe = Probe(fmu, mapping, step)
-    parts = [probe.run(forces).velocity]
-    first = np.abs(parts[0][:, direction]).max()
-    while (
-        len(parts) * block * step < LONGEST and SETTLED * first < np.abs(parts[-1][:, direction]).max() < GROWN * first
-    ):
-        parts.append(probe.run(np.zeros((block, 4))).velocity)
+    parts = [probe.run(forces)]
+    first = np.abs(parts[0].velocity[:, direction]).max()
+    while len(parts) * block * step < LONGEST:
+        last = np.abs(parts[-1].velocity[:, direction]).max()
+        if not SETTLED * first < last < GROWN * first:
+            break
+        parts.append(probe.run(np.zeros((block, 4))))
     probe.close()
-    return np.asarray(np.concatenate(parts) / NOMINAL[direction])
-
-
-def has_step_parameter(fmu: Fmu) -> bool:
-    """Return whether the FMU asks for the communication step."""
-    return STEP_SIZE in fmu.names("parameter")
+    ways = np.diff(np.concatenate([part.displacement for part in parts]), axis=0, prepend=0.0)
+    return np.asarray(np.hstack([np.concatenate([part.velocity for part in parts]), ways]) / NOMINAL[direction])

@@ -49,7 +49,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self.instance = Instance(component)
         self.modelName = component.name
         self.running = False
-        self._places = np.array([self.instance.place(i) for i in range(len(component.variables))])
+        self._places = np.array(self.instance.places())
         self._resolved: dict[tuple[str, tuple[int, ...]], tuple[NDArray[np.intp], bool]] = {}
 
     def to_xml(self, *_options: Any) -> Element:
@@ -61,7 +61,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         self.instance.initialise()
         self.running = True
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
+    def do_step(self, _current_time: float, step_size: float) -> bool:
         """Advance by one step."""
         if not step_size > 0.0:
             raise ValueError(f"step size {step_size}: must be > 0")
