@@ -11,6 +11,7 @@ from typing import Annotated
 import numpy as np
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -145,7 +146,7 @@ def _show(outcome: running.Outcome) -> None:
         ("energy residual of the coupling [J]", p.energy_residual),
     )
     for label, numbers in rows:
-        table.add_row(label, *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
     screen.print(table)
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",

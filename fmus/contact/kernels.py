@@ -17,10 +17,15 @@ The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when 
 import math
 
 from ..compile import kernel, positions
+from ..interface import contact_inputs, contact_outputs
 from .fastsim import bound_volume, fastsim, flexibilities
 from .friction import falling_factor
 from .kalker import creepage_coefficients
 from .parameters import P
+
+IN = positions("IN", (port.name for port in contact_inputs()))
+OUT = positions("OUT", (port.name for port in contact_outputs()))
+"""Layout of inputs and outputs."""
 
 S = positions(
     "S",
@@ -216,12 +221,16 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
     cos = derived[D.cos]
     sin = derived[D.sin]
-    v_lon = inputs[0] - inputs[4]
-    v_lat = cos * (inputs[1] - inputs[5]) - sin * (inputs[2] - inputs[6])
-    v_nor = sin * (inputs[1] - inputs[5]) + cos * (inputs[2] - inputs[6])
-    v_spin = inputs[3] - inputs[7]
+    v_lon = inputs[IN.wheel_v_lon] - inputs[IN.rail_v_lon]
+    v_y = inputs[IN.wheel_v_lat] - inputs[IN.rail_v_lat]
+    v_z = inputs[IN.wheel_v_ver] - inputs[IN.rail_v_ver]
+    v_lat = cos * v_y - sin * v_z
+    v_nor = sin * v_y + cos * v_z
+    v_spin = inputs[IN.wheel_v_spin] - inputs[IN.rail_v_spin]
     if parameters[P.use_displacements] != 0.0:
-        deflection = -(sin * (inputs[8] - inputs[10]) + cos * (inputs[9] - inputs[11])) - 0.5 * h * v_nor
+        u_y = inputs[IN.wheel_u_lat] - inputs[IN.rail_u_lat]
+        u_z = inputs[IN.wheel_u_ver] - inputs[IN.rail_u_ver]
+        deflection = -(sin * u_y + cos * u_z) - 0.5 * h * v_nor
     else:  # the backward rectangle is half a step ahead by itself
         deflection = state[S.deflection] - h * v_nor
     state[S.deflection] = deflection
@@ -251,16 +260,16 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
 
     f_lat = cos * x1 + sin * f_normal
     f_ver = -sin * x1 + cos * f_normal
-    outputs[0] = x0
-    outputs[1] = f_lat
-    outputs[2] = f_ver
-    outputs[3] = x2
-    outputs[4] = -x0
-    outputs[5] = -f_lat
-    outputs[6] = -f_ver
-    outputs[7] = -x2
+    outputs[OUT.wheel_f_lon] = x0
+    outputs[OUT.wheel_f_lat] = f_lat
+    outputs[OUT.wheel_f_ver] = f_ver
+    outputs[OUT.wheel_f_spin] = x2
+    outputs[OUT.rail_f_lon] = -x0
+    outputs[OUT.rail_f_lat] = -f_lat
+    outputs[OUT.rail_f_ver] = -f_ver
+    outputs[OUT.rail_f_spin] = -x2
     _monitor(parameters, derived, outputs, (v_lon, v_lat, v_spin), (x0, x1 - pulse, x2), load, deflection)
-    outputs[18] = evaluations
+    outputs[OUT.force_evaluations] = evaluations
 
 
 @kernel
@@ -273,20 +282,20 @@ def _monitor(parameters, derived, outputs, v, x, load, deflection):  # type: ign
     total_lon = derived[D.f_lon] + x[0]
     total_lat = derived[D.f_lat] + x[1]
     moment = derived[D.f_spin] + x[2]
-    outputs[8] = load
-    outputs[9] = total_lon
-    outputs[10] = total_lat
-    outputs[11] = moment
-    outputs[12] = creep_lon
-    outputs[13] = creep_lat
-    outputs[14] = creep_spin
-    outputs[15] = parameters[P.mu0] * falling_factor(
+    outputs[OUT.normal_force] = load
+    outputs[OUT.tangential_force_lon] = total_lon
+    outputs[OUT.tangential_force_lat] = total_lat
+    outputs[OUT.spin_moment] = moment
+    outputs[OUT.creepage_lon] = creep_lon
+    outputs[OUT.creepage_lat] = creep_lat
+    outputs[OUT.creepage_spin] = creep_spin
+    outputs[OUT.friction_coefficient] = parameters[P.mu0] * falling_factor(
         math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
         parameters[P.falling_ratio],
         parameters[P.saturation_coefficient],
     )
-    outputs[16] = deflection
-    outputs[17] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)
+    outputs[OUT.deflection] = deflection
+    outputs[OUT.power_dissipated] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)
 
 
 @kernel
@@ -294,10 +303,16 @@ def _turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
     """Put the mobility rows lon, lat, spin over the columns lon, lat, spin, normal into `derived`, contact axes."""
     c = derived[D.cos]
     s = derived[D.sin]
-    m = P.mobility_lon_lon
-    lon_lon, lon_lat, lon_ver, lon_spin = parameters[m], parameters[m + 1], parameters[m + 2], parameters[m + 3]
-    lat_lat, lat_ver, lat_spin = parameters[m + 4], parameters[m + 5], parameters[m + 6]
-    ver_ver, ver_spin, spin_spin = parameters[m + 7], parameters[m + 8], parameters[m + 9]
+    lon_lon = parameters[P.mobility_lon_lon]
+    lon_lat = parameters[P.mobility_lon_lat]
+    lon_ver = parameters[P.mobility_lon_ver]
+    lon_spin = parameters[P.mobility_lon_spin]
+    lat_lat = parameters[P.mobility_lat_lat]
+    lat_ver = parameters[P.mobility_lat_ver]
+    lat_spin = parameters[P.mobility_lat_spin]
+    ver_ver = parameters[P.mobility_ver_ver]
+    ver_spin = parameters[P.mobility_ver_spin]
+    spin_spin = parameters[P.mobility_spin_spin]
     y = D.mobility
     derived[y] = lon_lon
     derived[y + 1] = c * lon_lat - s * lon_ver
