@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..component import Component, Variable
 from ..interface import contact_inputs, contact_outputs
-from .kernels import DERIVED_SIZE, STATE_SIZE
+from .layout import DERIVED_SIZE, STATE_SIZE
 from .parameters import PARAMETERS
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..component import Instance
 from .component import contact
-from .kernels import creep_forces, normal_force
+from .law import creep_forces, normal_force
 from .parameters import P
 
 Real = NDArray[np.float64]

@@ -1,0 +1,59 @@
+"""The contact law: deflection to normal force, velocities to creep forces. Kernels."""
+
+import math
+
+from ..compile import kernel
+from .fastsim import fastsim
+from .friction import falling_factor
+from .layout import D
+from .parameters import P
+
+
+@kernel
+def normal_force(parameters, derived, deflection):  # type: ignore[no-untyped-def]
+    """Return the total normal force [N] at a fluctuation of the deflection [m] (compression positive)."""
+    load = parameters[P.normal_load]
+    if parameters[P.linear_spring] != 0.0:
+        return max(0.0, load + parameters[P.hertz_stiffness] * deflection)
+    compression = 1.0 + deflection / derived[D.approach]
+    if compression <= 0.0:
+        return 0.0
+    return load * compression * math.sqrt(compression)
+
+
+@kernel
+def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  # type: ignore[no-untyped-def]
+    """Return the total creep forces on the wheel [N, N, N.m] at total creepages and total normal force."""
+    tau = falling_factor(
+        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
+        parameters[P.falling_ratio],
+        parameters[P.saturation_coefficient],
+    )
+    lon, lat, moment = fastsim(
+        creep_lon,
+        creep_lat,
+        creep_spin,
+        parameters[P.mu0] * load / derived[D.volume],
+        parameters[P.semi_axis_lon],
+        parameters[P.semi_axis_lat],
+        derived[D.L1],
+        derived[D.L2],
+        derived[D.L3],
+        int(parameters[P.grid_cells]),
+        int(parameters[P.grid_strips]),
+    )
+    return tau * lon, tau * lat, tau * moment
+
+
+@kernel
+def law(parameters, derived, v_lon, v_lat, v_spin, load):  # type: ignore[no-untyped-def]
+    """Return the total creep forces at relative velocities that fluctuate about the steady creepages."""
+    inverse = 1.0 / parameters[P.rolling_velocity]
+    return creep_forces(
+        parameters,
+        derived,
+        parameters[P.steady_creepage_lon] + v_lon * inverse,
+        parameters[P.steady_creepage_lat] + v_lat * inverse,
+        parameters[P.steady_creepage_spin] + v_spin * inverse,
+        load,
+    )
