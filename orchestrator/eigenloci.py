@@ -178,13 +178,16 @@ def encirclements(loci: Eigenloci) -> Real:
     return np.asarray(-turns / (2 * np.pi))
 
 
-def frequency_grid(frequency_hz: Real, zeta: Real, highest_hz: float = 6500.0, step_hz: float = 0.5) -> Real:
+def frequency_grid(
+    frequency_hz: Real, zeta: Real, highest_hz: float = 6500.0, step_hz: float = 0.5, closed: bool = True
+) -> Real:
     """Return angular frequencies fine enough for lightly damped modes, increasing [rad/s].
 
     Parameters
     ----------
     frequency_hz, zeta : (n,) natural frequencies [Hz] and damping ratios [-] of the modes
     step_hz : spacing away from the modes [Hz]
+    closed : whether to go on far above, where sampled mobilities mean nothing
 
     Notes
     -----
@@ -193,8 +196,11 @@ def frequency_grid(frequency_hz: Real, zeta: Real, highest_hz: float = 6500.0, s
     axis, so that encirclements come out whole.
     """
     parts = [np.arange(_EVEN_FROM_HZ, highest_hz, step_hz)]
-    for f, z in {(float(f), float(z)) for f, z in zip(frequency_hz, zeta, strict=True)}:
+    # families of a doublet have one frequency, found twice by measurement
+    for f, z in {(float(f"{f:.5g}"), float(f"{z:.2g}")) for f, z in zip(frequency_hz, zeta, strict=True)}:
         if _EVEN_FROM_HZ < f < highest_hz and 0 < z * f / 5 < step_hz:
             parts.append(np.arange(0.98 * f, min(1.02 * f, highest_hz), z * f / 5))
-    parts += [np.geomspace(1e-3 * _EVEN_FROM_HZ, _EVEN_FROM_HZ, 100), np.geomspace(highest_hz, 100 * highest_hz, 100)]
+    parts += [np.geomspace(1e-3 * _EVEN_FROM_HZ, _EVEN_FROM_HZ, 100)]
+    if closed:
+        parts += [np.geomspace(highest_hz, 100 * highest_hz, 100)]
     return np.asarray(2 * np.pi * np.unique(np.concatenate(parts)))

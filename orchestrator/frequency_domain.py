@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fmus.component import Instance
 from fmus.contact.component import contact as contact_component
-from fmus.contact.kernels import creep_forces
+from fmus.contact.law import creep_forces
 from fmus.contact.linearised import STEP, LinearContact, linearise
 from fmus.contact.parameters import P
 from fmus.modal import Modes, mobility
@@ -44,6 +44,22 @@ def of_modes(modes: Modes) -> Mobility:
 def of_track(track: Track) -> Mobility:
     """Return the mobility of the analytical track."""
     return lambda omega: _in_chunks(omega, lambda part: track_mobility(part, track))
+
+
+def remembered(mobility: Mobility) -> Mobility:
+    """Return the same mobility; for the frequencies that it is asked for a second time it does not compute again."""
+    kept: dict[bytes, Complex] = {}
+
+    def ask(omega: Real) -> Complex:
+        if omega.size < _CHUNK:
+            return mobility(omega)
+        key = omega.tobytes()
+        if key not in kept:
+            kept.clear()
+            kept[key] = mobility(omega)
+        return kept[key]
+
+    return ask
 
 
 def rigid(omega: Real) -> Complex:

@@ -99,7 +99,6 @@ class Identification:
     amplitudes : the best ones
     deviation : (25,) standard deviations of ln(lateral) [-], normal [kg^-1/2] and ln(mass_factor) [-]
     frequency_hz, gain : (4, 8) crossings by the scalar formula; 0 where there is none
-    cost : half the sum of squared residuals, prior included
     """
 
     hertz_stiffness: float
@@ -108,7 +107,6 @@ class Identification:
     deviation: Real
     frequency_hz: Real
     gain: Real
-    cost: float
 
 
 @dataclass(frozen=True)
@@ -195,19 +193,6 @@ def identify(
     return _polished(problem, vector, hertz_stiffness)
 
 
-def continued(
-    modes: Modes, rail: Mobility, paper: PaperTable, hertz_stiffness: float, start: Identification
-) -> Identification:
-    """Return the fit for another contact spring, from that for a near one and without a global search.
-
-    The mass at the contact is first changed with the spring, so that the contact resonance stays where it is.
-    """
-    problem = make_problem(modes, rail, paper, hertz_stiffness, start.cases)
-    factor = start.amplitudes.mass_factor * (start.hertz_stiffness / hertz_stiffness) ** 0.5
-    begin = replace(start.amplitudes, mass_factor=factor)
-    return _polished(problem, begin.vector(problem.prior), hertz_stiffness)
-
-
 def _polished(problem: Problem, vector: Real, hertz_stiffness: float) -> Identification:
     """Return the outcome of least squares over all amplitudes."""
     best = least_squares(problem.residuals, vector, max_nfev=60, diff_step=1e-5)
@@ -217,7 +202,7 @@ def _polished(problem: Problem, vector: Real, hertz_stiffness: float) -> Identif
     scale = np.concatenate([np.full(n, LATERAL_PRIOR), np.full(n, NORMAL_PRIOR), [MASS_PRIOR]])
     return Identification(
         hertz_stiffness, problem.cases, Amplitudes.of(best.x, problem.prior),
-        scale * np.sqrt(np.diag(covariance)), found.frequency_hz, found.gain, float(best.cost),
+        scale * np.sqrt(np.diag(covariance)), found.frequency_hz, found.gain,
     )  # fmt: skip
 
 

@@ -148,7 +148,7 @@ def _linearity(rail: _Rail) -> tuple[str, str]:
     pulses = rail.responses.velocity[:RANDOM_STEPS]
     expected = sum(fftconvolve(pulses[:, :, k], forces[:, k : k + 1], axes=0)[:RANDOM_STEPS] for k in range(4))
     deviation = float((np.abs(velocity - expected).max(axis=0) / _largest(velocity)).max())
-    return _verdict(deviation <= LINEAR), f"ten times the force and all directions at once: {deviation:.1e} off"
+    return _verdict(deviation <= LINEAR), f"ten times the force and all directions at once: {deviation:.1g} off"
 
 
 def _largest(values: Real) -> Real:
@@ -178,7 +178,7 @@ def _displacement(rail: _Rail) -> tuple[str, str]:
     deviation = (np.abs(motion.displacement - integral).max(axis=0) / _largest(integral))[offered]
     worst = int(np.argmax(deviation))
     direction = DIRECTIONS[offered[worst]]
-    said = f"u_{direction} is within {deviation[worst]:.1e} of the integral of v_{direction}"
+    said = f"u_{direction} is within {deviation[worst]:.1g} of the integral of v_{direction}"
     return _verdict(deviation[worst] <= INTEGRAL), said
 
 
@@ -207,7 +207,7 @@ def _reciprocity(rail: _Rail) -> tuple[str, str]:
         return PASS, "no cross terms"
     off = np.abs(pulses - pulses.transpose(0, 2, 1)).max(axis=0) / scale
     j, k = np.unravel_index(int(np.argmax(off)), off.shape)
-    said = f"{DIRECTIONS[j]} per {DIRECTIONS[k]} is {off[j, k]:.1e} off its transpose"
+    said = f"{DIRECTIONS[j]} per {DIRECTIONS[k]} is {off[j, k]:.1g} off its transpose"
     return _verdict(bool(off[j, k] <= RECIPROCAL)), said
 
 
@@ -220,7 +220,7 @@ def _interface_mobility(rail: _Rail) -> tuple[str, str]:
         return NOT_OFFERED, "y_*_* not published in the contract's names; the master measures it"
     measured = rail.responses.velocity[0]
     deviation = float(np.abs(published - measured).max() / (np.abs(measured).max() or 1.0))
-    return _verdict(deviation <= LINEAR), f"published y_*_* is {deviation:.1e} off the measured one"
+    return _verdict(deviation <= LINEAR), f"published y_*_* is {deviation:.1g} off the measured one"
 
 
 def _state(rail: _Rail) -> tuple[str, str]:
@@ -237,7 +237,7 @@ def _state(rail: _Rail) -> tuple[str, str]:
     probe.free_state(state)
     probe.close()
     deviation = float((np.abs(second - first).max(axis=0) / _largest(first)).max())
-    return _verdict(deviation <= 1e-9), f"after going back the same steps are {deviation:.1e} off"
+    return _verdict(deviation <= 1e-9), f"after going back the same steps are {deviation:.1g} off"
 
 
 def _step_range(rail: _Rail) -> tuple[str, str]:

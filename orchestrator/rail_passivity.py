@@ -66,9 +66,9 @@ def estimate_mobility(responses: Responses) -> Mobility:
 
     Notes
     -----
-    Laplace transform of the velocity over that of the force, both at s = shift + j omega. Where displacements are
-    offered they make the velocity, so that what fast modes do between the ends of the steps is not lost. A response that
-    has not settled is made to by the shift, which keeps a passive structure passive: Re Y(s) >= 0 for all Re s > 0.
+    Laplace transform of the velocity over that of the force, both at s = shift + j omega. Displacements make the
+    velocity where they are offered, so that what fast modes do between the ends of the steps is not lost. A response
+    that has not settled is made to by the shift, which keeps a passive structure passive: Re Y(s) >= 0 for Re s > 0.
     """
     step, offered = responses.step, np.isfinite(responses.way)
     record = np.where(offered, responses.way / step, responses.velocity)

@@ -35,13 +35,23 @@ class Structures:
     Attributes
     ----------
     wheel, rail : mobilities in track axes
-    wheel_modes, rail_modes : None for black boxes and for the analytical track
+    wheel_modes, rail_modes : None for black boxes; beside an analytical track, its modal equivalent
+    resonances : frequencies [Hz] and damping ratios of the wheel; None: those of its modes
     """
 
     wheel: Mobility
     rail: Mobility
     wheel_modes: Modes | None = None
     rail_modes: Modes | None = None
+    resonances: tuple[Real, Real] | None = None
+
+    def frequencies(self) -> Real:
+        """Return first angular frequencies, fine enough for the wheel [rad/s]."""
+        if self.resonances is not None:
+            return frequency_grid(*self.resonances, closed=False)
+        if self.wheel_modes is not None:
+            return frequency_grid(self.wheel_modes.omega / (2 * np.pi), self.wheel_modes.zeta)
+        return frequency_grid(np.zeros(0), np.zeros(0), step_hz=0.1)
 
 
 @dataclass(frozen=True)
@@ -81,15 +91,10 @@ class Stability:
         return round(float(self.turns.sum()))
 
 
-def analyse(structures: Structures, contact: LinearContact, frequencies: Real | None = None) -> Stability:
-    """Return the stability of a system.
-
-    Parameters
-    ----------
-    frequencies : (m,) first angular frequencies where the wheel's modes are not known [rad/s]
-    """
+def analyse(structures: Structures, contact: LinearContact) -> Stability:
+    """Return the stability of a system."""
     loop = Loop(structures.wheel, structures.rail, contact)
-    loci = eigenloci(loop.open_loop, _first_frequencies(structures.wheel_modes) if frequencies is None else frequencies)
+    loci = eigenloci(loop.open_loop, structures.frequencies())
     found = [c for c in crossings(loop.open_loop, loci) if c.frequency_hz < REPORTED_BELOW_HZ]
     modes = structures.wheel_modes
     poles = None
@@ -101,21 +106,15 @@ def analyse(structures: Structures, contact: LinearContact, frequencies: Real | 
     return Stability(loci, instabilities, encirclements(loci), poles)
 
 
-def _first_frequencies(modes: Modes | None) -> Real:
-    """Return the grid for the modes of a wheel, or an even one."""
-    if modes is None:
-        return frequency_grid(np.zeros(0), np.zeros(0), step_hz=0.1)
-    return frequency_grid(modes.omega / (2 * np.pi), modes.zeta)
-
-
 def involved(modes: Modes, rail: Mobility, contact: LinearContact, crossing: Crossing) -> tuple[str, ...]:
     """Return the wheel modes that make a crossing: the fewest with which alone it remains.
 
     Notes
     -----
     The paper's check. Candidates are the elastic modes whose removal changes the loop most at the crossing; of several
-    groups of one size that do, the one whose gain is nearest to that of the whole wheel. Empty if no group of up to
-    three modes does.
+    groups of one size that do, the one whose gain is nearest to that of the whole wheel. If no group of up to three
+    modes does, because the crossing needs the normal compliance of the whole wheel, those modes of the candidates
+    without which it would not be.
     """
     f = crossing.frequency_hz
     omega = 2 * np.pi * _near(f, modes)
@@ -128,9 +127,17 @@ def involved(modes: Modes, rail: Mobility, contact: LinearContact, crossing: Cro
             for gain in _gains(modes.keep(list(group)), rail_there, contact, omega, f)
         ]
         if kept:
-            best = min(kept)[1]
-            return tuple(modes.labels[i].rpartition(" ")[0] for i in sorted(best, key=lambda i: modes.omega[i]))
-    return ()
+            return _names(modes, min(kept)[1])
+    everything = set(range(len(modes)))
+    return _names(
+        modes,
+        [i for i in candidates if not any(_gains(modes.keep(sorted(everything - {i})), rail_there, contact, omega, f))],
+    )
+
+
+def _names(modes: Modes, group: Sequence[int]) -> tuple[str, ...]:
+    """Return the labels of some modes without their family, in the order of frequency."""
+    return tuple(modes.labels[i].rpartition(" ")[0] for i in sorted(group, key=lambda i: modes.omega[i]))
 
 
 def _candidates(modes: Modes, rail: Mobility, contact: LinearContact, frequency_hz: float) -> list[int]:

@@ -12,8 +12,8 @@ from .eigenloci import Crossing
 from .paper_table import CASES, CELL_MODES, PaperTable, read_paper_table
 from .stability_case import Stability
 
-FAR = 0.05
-"""A crossing belongs to a cell within this relative distance of the mode's natural frequency, the nearest mode first."""
+FAR = 0.07
+"""A crossing belongs to a cell within this relative distance of the mode's natural frequency."""
 
 
 @dataclass(frozen=True)

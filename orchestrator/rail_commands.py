@@ -1,0 +1,249 @@
+"""The commands `curvesqueal rail ...` and `curvesqueal check`: options in, files and tables out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from fmus.modal_data import ModalData
+
+rail_app = typer.Typer(
+    help="Rails: fit modal data to a track or a measurement, draw receptances, build FMUs.", no_args_is_help=True
+)
+screen = Console()
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that is there.")]
+Track = Annotated[str, typer.Argument(metavar="TRACK", help="A track file, or default, soft-pads, bs113a, slab.")]
+
+Errors = dict[str, dict[str, float]]
+
+
+@contextmanager
+def user_mistakes() -> Iterator[None]:
+    """Turn what the components and the file system refuse into an error of the user's input."""
+    try:
+        yield
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(f"{error.filename}: {error.strerror or error}") from None
+
+
+def require_free(path: Path, force: bool) -> None:
+    """Raise InputError if a file is there that writing would replace."""
+    if path.exists() and not force:
+        raise InputError(f"{path}: is there already; give another --out, or --force to overwrite it")
+
+
+@rail_app.command()
+def fit(
+    track: Track,
+    method: Annotated[str, typer.Option(help="accurate, or paper: the paper's cut-on method.")] = "accurate",
+    out: Annotated[Path | None, typer.Option(help="Modal data file; default rail-TRACK-METHOD.toml here.")] = None,
+    modes: Annotated[int | None, typer.Option(help="Most modes in each direction, accurate only; default 8.")] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Fit a modal rail to the analytical track and write its modal data file.
+
+    The errors are root mean squares over 200 frequencies, 30 Hz to 5 kHz. Takes up to a minute.
+    """
+    import numpy as np  # noqa: PLC0415
+
+    from fmus.modal_data import write_modal_data  # noqa: PLC0415
+    from fmus.rail.fit import error_frequencies, fit_errors  # noqa: PLC0415
+    from fmus.rail.regenerate import modal_rail  # noqa: PLC0415
+    from fmus.rail.track import track_receptance  # noqa: PLC0415
+    from fmus.rail.track_data import read_track  # noqa: PLC0415
+
+    with user_mistakes():
+        path = track_file(track)
+        target = out or Path(f"rail-{path.stem}-{method}.toml")
+        _require_suffix(target, (".toml",))
+        require_free(target, force)
+        the_track = read_track(path)
+        data = modal_rail(the_track, method, modes)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_modal_data(target, data)
+        omega = 2 * np.pi * error_frequencies()
+        errors = fit_errors(omega, track_receptance(omega, the_track), data.modes)
+    if json:
+        screen.print_json(data=errors)
+        return
+    _print_errors({method: errors}, f"{the_track.title}: receptance against the analytical track, 30 Hz to 5 kHz, rms")
+    screen.print(str(target), highlight=False, markup=False, soft_wrap=True)
+
+
+@rail_app.command()
+def figures(
+    track: Track = "default",
+    out: Annotated[Path, typer.Option(help="Folder; earlier figures in it are replaced.")] = Path("results/rail"),
+    json: Json = False,
+) -> None:
+    """Draw Figs 3 and 4 of the paper in all four directions: analytical track against modal rails."""
+    from fmus.modal_data import read_modal_data  # noqa: PLC0415
+    from fmus.rail.component import DATA  # noqa: PLC0415
+    from fmus.rail.track_data import read_track  # noqa: PLC0415
+
+    from .report_receptance import modal_rails, receptance_errors, write_receptance  # noqa: PLC0415
+
+    with user_mistakes():
+        the_track = read_track(track_file(track))
+        shipped = read_modal_data(DATA / "rail.toml").modes if track == "default" else None
+        rails = modal_rails(the_track, shipped)
+        errors = receptance_errors(the_track, rails)
+        files = write_receptance(the_track, rails, out)
+    if json:
+        screen.print_json(data={"errors": errors, "files": [str(path) for path in files]})
+        return
+    _print_errors(errors, f"{the_track.title}: receptance against the analytical track, 30 Hz to 5 kHz, rms")
+    for path in files:
+        screen.print(str(path), highlight=False, markup=False, soft_wrap=True)
+
+
+@rail_app.command()
+def measured(  # noqa: PLR0913, PLR0917 - one argument per option
+    files: Annotated[list[Path], typer.Argument(help="CSV or UFF files (data set 58).")],
+    quantity: Annotated[str, typer.Option(help="What they hold: receptance, mobility or accelerance; SI units.")],
+    out: Annotated[Path | None, typer.Option(help="FILE.fmu or modal data FILE.toml; default: none.")] = None,
+    modes: Annotated[int, typer.Option(help="Most modes in each direction.")] = 8,
+    axis: Annotated[list[str] | None, typer.Option(help="UFF direction code: 3=lat. Repeatable.")] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Fit a passive modal rail to measured point functions; a direction that was not measured is rigid."""
+    from .rail_measured import data_of_files  # noqa: PLC0415
+
+    with user_mistakes():
+        if out is not None:
+            _require_suffix(out, (".toml", ".fmu"))
+            require_free(out, force)
+        data, quality = data_of_files(files, quantity, modes, axis or [])
+        if out is not None:
+            _write_rail(data, out, "rail_measured")
+    if json:
+        screen.print_json(data=quality)
+        return
+    _print_errors({"measured": quality}, f"{data.title}: receptance against the data, rms")
+    if out is not None:
+        screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
+
+
+@rail_app.command()
+def build(
+    modes: Annotated[Path, typer.Argument(help="Modal data file.")],
+    out: Annotated[Path, typer.Option(help="FMU to write.")],
+    force: Force = False,
+) -> None:
+    """Build a rail FMU from a modal data file."""
+    from fmus.modal_data import read_modal_data  # noqa: PLC0415
+
+    with user_mistakes():
+        _require_suffix(out, (".fmu",))
+        require_free(out, force)
+        _write_rail(read_modal_data(modes), out, "rail")
+    screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
+
+
+@rail_app.command()
+def regenerate(
+    check: Annotated[bool, typer.Option("--check", help="Write nothing; fail where the files differ.")] = False,
+) -> None:
+    """Make the modal data files that the project ships anew. Takes minutes."""
+    from fmus.rail import regenerate as making  # noqa: PLC0415
+
+    with user_mistakes():
+        if not check:
+            making.regenerate()
+            return
+        found = making.differences()
+    if found:
+        raise InputError("; ".join(found))
+    screen.print("the shipped modal rails are what their methods make", highlight=False)
+
+
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="The FMU to test.")],
+    kind: Annotated[str, typer.Option("--as", help="The contract to test against: rail.")] = "rail",
+    mapping: Annotated[
+        list[str] | None,
+        typer.Option(help="v_lat=mySpeedY, v_lat=-0.001*mySpeedY, or an .ssd file that connects it. Repeatable."),
+    ] = None,
+    step: Annotated[float, typer.Option(help="Communication step of the tests, in seconds.")] = 5e-6,
+    out: Annotated[Path, typer.Option(help="Folder for the mobility figure, FILE-mobility.png.")] = Path("results"),
+    json: Json = False,
+) -> None:
+    """Test an FMU against the contract of a rail, by what it declares and by running it.
+
+    Prints pass, fail or not offered for each demand and draws the mobility; fails if one fails.
+    """
+    from .rail_check import check_rail  # noqa: PLC0415
+    from .report_rail_check import as_data, table, write_mobility  # noqa: PLC0415
+
+    if kind != "rail":
+        raise InputError(f"--as {kind}: must be rail")
+    with user_mistakes():
+        report = check_rail(file, mapping or [], step)
+        picture = write_mobility(report, out)
+    if json:
+        screen.print_json(data={**as_data(report), "figure": None if picture is None else str(picture)})
+    else:
+        screen.print(table(report))
+        if picture is not None:
+            screen.print(str(picture), highlight=False, markup=False, soft_wrap=True)
+    if report.failed:
+        raise InputError(f"{file}: is no rail: {'; '.join(f'{c.name}: {c.detail}' for c in report.failed)}")
+
+
+def track_file(track: str) -> Path:
+    """Return the file of a track: a shipped one by name, or a path."""
+    from fmus.rail.track_data import TRACKS  # noqa: PLC0415
+
+    shipped = {path.stem: path for path in sorted(TRACKS.glob("*.toml"))}
+    path = shipped.get(track, Path(track))
+    if not path.is_file():
+        raise InputError(f"{track}: neither a track file nor one of {', '.join(shipped)}")
+    return path
+
+
+def _require_suffix(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Raise InputError for a file that is not called what it becomes."""
+    if path.suffix not in suffixes:
+        raise InputError(f"--out {path}: must end with {' or '.join(suffixes)}")
+
+
+def _write_rail(data: ModalData, path: Path, name: str) -> None:
+    """Write a modal rail as modal data or as an FMU of the given model name, by the suffix."""
+    from fmus.modal import structure  # noqa: PLC0415
+    from fmus.modal_data import write_modal_data  # noqa: PLC0415
+    from fmus.packaging.python_fmu import build_python_fmu  # noqa: PLC0415
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".toml":
+        write_modal_data(path, data)
+    else:
+        component = structure(name, f"Rail at the contact point: {data.title}", data.modes)
+        build_python_fmu(component, path, version("curvesqueal"))
+
+
+def _print_errors(errors: dict[str, Errors], title: str) -> None:
+    """Print a table of fit errors, a row per rail and direction."""
+    table = Table("rail", "direction", title=title, title_justify="left")
+    for heading in ("dB", "degrees", "modes"):
+        table.add_column(heading, justify="right")
+    for name, of_direction in errors.items():
+        for direction, error in of_direction.items():
+            numbers = (f"{error['rms_db']:.2f}", f"{error['rms_degrees']:.1f}", f"{error['modes']:.0f}")
+            table.add_row(name, direction, *numbers)
+    screen.print(table)
