@@ -28,8 +28,8 @@ Complex = NDArray[np.complex128]
 
 VELOCITIES = [f"v_{d}" for d in DIRECTIONS]
 
-RECORD_STEPS = 250
-"""Steps that are recorded one by one; at 5 us, 1.25 ms."""
+RECORD_STEPS = 1000
+"""Steps that are recorded one by one; at 5 us, 5 ms. Shorter, slow parts of the tail drown in fast ones."""
 
 TAIL_HZ = 10e3
 """Half the rate at which the response is sampled after that: no mode above rings on longer than the record [Hz]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,11 +21,13 @@ from fmus.interface import DIRECTIONS
 from . import master, running
 from .algorithms import ALGORITHMS
 from .errors import InputError, SimulationError
+from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 
 app = typer.Typer(
     name="curvesqueal",
     help="Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside.",
+    rich_markup_mode=None,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -201,10 +204,19 @@ def friction(
         screen.print(str(out), highlight=False)
 
 
+app.add_typer(rail_app, name="rail")
+app.command()(check)
+
+
 def main() -> None:
     """Run the command line; a user's mistake is one sentence and a non-zero exit."""
     try:
         app()
-    except (InputError, SimulationError) as error:
+    except InputError as error:
         _say(f"curvesqueal: {error}")
         sys.exit(1)
+    except SimulationError as error:
+        _say(f"curvesqueal: {error}")
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(1)  # a component that failed may have damaged this process; nothing of it shall run any more

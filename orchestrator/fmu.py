@@ -108,12 +108,17 @@ class FmuInstance:
     """A running FMI 2.0 co-simulation slave.
 
     Messages of the FMU are kept and become part of the error when a call fails.
+
+    Attributes
+    ----------
+    lost : whether a call returned fatal, after which the instance must not be called again
     """
 
     def __init__(self, fmu: Fmu, name: str) -> None:
         self.fmu = fmu
         self.name = name
         self.messages: list[str] = []
+        self.lost = False
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -141,6 +146,7 @@ class FmuInstance:
             yield
         except FMICallException as error:
             status = STATUS[error.status] if 0 <= error.status < len(STATUS) else str(error.status)
+            self.lost = status == "fatal"
             raise SimulationError(f"{self.name}: {function} returned {status}{self.last_message()}") from None
         except Exception as error:
             if function != "instantiate":
@@ -204,7 +210,9 @@ class FmuInstance:
         return int(self._slave.component)
 
     def close(self) -> None:
-        """Terminate and free the instance."""
+        """Terminate and free the instance; after a fatal error FMI allows no further call, so it is left alone."""
+        if self.lost:
+            return
         try:
             self._slave.terminate()
         except FMICallException:

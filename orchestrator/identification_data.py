@@ -36,7 +36,8 @@ TRADE_OFF = (1.2e9, 1.4e9, 1.9e9, 2.4e9)
 TITLE = "Class 158 wheelset, contact amplitudes identified from Table 4"
 SOURCE = (
     "Ding, Squicciarini and Thompson (2016), Table 4: natural frequencies, and by "
-    "`python -m orchestrator.identification` the contact amplitudes of the modes that say so. All else is the generic 840 mm wheelset, generic840.toml."
+    "`python -m orchestrator.identification` the contact amplitudes of the modes that say so. "
+    "All else is the generic 840 mm wheelset, generic840.toml."
 )
 
 

@@ -95,7 +95,7 @@ class LateralModel:
             omega=self.omega[keep],
             cells=cells,
             window=tuple(slice(int(a), int(b)) for a, b in pairwise(ends)),
-            term=self.term[np.ix_(keep, columns)],
+            term=self.term[keep][:, columns],
             fixed=self.fixed[:, keep] + shapes @ self.term[np.ix_(keep, rest)].T,
             rail=self.rail[:, keep],
         )

@@ -275,4 +275,5 @@ class Master:
         instance = list(self.instances.values())[where]
         call = {loop.SET: "setReal", loop.STEP: "doStep", loop.GET: "getReal"}[what]
         said = STATUS[status] if status < len(STATUS) else str(status)
+        instance.lost = said == "fatal"
         return f"{instance.name}: {call} returned {said} at t = {moment:.9g} s{instance.last_message()}"

@@ -71,7 +71,7 @@ def test_prior_amplitudes_give_back_the_prior_wheel() -> None:
 def test_crossing_of_a_resonance_is_exact() -> None:
     """1 / lambda is linear in frequency, so a coarse grid gives frequency and gain of a circle to rounding."""
     f = np.linspace(990, 1010, 14)
-    locus = 7.0 / (1 + 2j * (f - 1000.123))
+    locus = (7.0 / (1 + 2j * (f - 1000.123))).astype(np.complex128)
     frequency_hz, gain = clockwise_crossings(f, locus)
     np.testing.assert_allclose(frequency_hz, [1000.123], rtol=1e-12)
     np.testing.assert_allclose(gain, [7.0], rtol=1e-9)

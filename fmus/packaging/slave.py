@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import ctypes
 import math
-from typing import Any, ClassVar
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ClassVar, TypeVar, cast
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -20,13 +22,32 @@ from ..component import Component, Instance, Variable
 from .model_description import model_description
 
 
-def hold(namespace: dict[str, Any]) -> None:
-    """Add a reference to the namespace of a slave's script that is never given back.
+def hold(*objects: object) -> None:
+    """Add a reference to each object that is never given back: payment for what PythonFMU 0.7.0 releases too often.
 
-    PythonFMU 0.7.0 executes the script once per instance and each time releases its namespace, which it does not own:
-    without this, the second instance of an FMU in a process reads freed memory.
+    It executes a slave's script once per instance and each time releases the namespace, which it does not own: without
+    this the second instance of an FMU in a process reads freed memory. And it releases an instance, its class and its
+    log queue at every exception, and once more when the instance is freed.
     """
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(namespace))
+    for each in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(each))
+
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+def survives_errors(method: Method) -> Method:
+    """Let an exception of a slave's method pass without harm to the process; see `hold`."""
+
+    @wraps(method)
+    def guarded(slave: ComponentSlave, *arguments: Any) -> Any:
+        try:
+            return method(slave, *arguments)
+        except Exception:
+            hold(slave, type(slave), slave.log_queue)
+            raise
+
+    return cast(Method, guarded)
 
 
 class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
@@ -56,11 +77,13 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         """Return the model description."""
         return model_description(self.instance.component, self.release, self.content)
 
+    @survives_errors
     def exit_initialization_mode(self) -> None:
         """Start the run."""
         self.instance.initialise()
         self.running = True
 
+    @survives_errors
     def do_step(self, _current_time: float, step_size: float) -> bool:
         """Advance by one step."""
         if not step_size > 0.0:
@@ -92,6 +115,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         """Set boolean variables."""
         self._set("Boolean", vrs, values)
 
+    @survives_errors
     def _get(self, kind: str, vrs: list[int]) -> list[float]:
         if not self.running:
             self.instance.initialise()
@@ -99,6 +123,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         values: list[float] = self.instance.memory[places].tolist()
         return values
 
+    @survives_errors
     def _set(self, kind: str, vrs: list[int], values: list[Any]) -> None:
         places, only_inputs = self._resolve(kind, vrs)
         if not (only_inputs and math.isfinite(sum(values))):
@@ -135,6 +160,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
     def _get_fmu_state(self) -> dict[str, Any]:
         return {"snapshot": self.instance.memory.tobytes(), "running": self.running}
 
+    @survives_errors
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         self.instance.memory[:] = np.frombuffer(state["snapshot"])
         self.running = state["running"]
