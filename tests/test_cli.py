@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 
 from fmus.interface import DIRECTIONS
+from orchestrator.cli import main
 from orchestrator.results import open_results
 
 
@@ -141,8 +142,21 @@ def hostile_zip(path: Path, name: str) -> Path:
     return path
 
 
-def test_user_mistakes_are_one_sentence(tmp_path: Path, built: Path) -> None:
+def in_process(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    """Run the command line in this process; return exit code, stdout and stderr. An exception would be a traceback."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["curvesqueal", *arguments])
+        with pytest.raises(SystemExit) as done:
+            main()
+    captured = capsys.readouterr()
+    return int(done.value.code or 0), captured.out, captured.err
+
+
+def test_user_mistakes_are_one_sentence(
+    tmp_path: Path, built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each ends with a non-zero exit, nothing on stdout, and a sentence on stderr that names the matter."""
+    monkeypatch.chdir(tmp_path)
     text = tmp_path / "text.ssp"
     text.write_text("no zip")
     empty = tmp_path / "empty.fmu"
@@ -177,9 +191,15 @@ def test_user_mistakes_are_one_sentence(tmp_path: Path, built: Path) -> None:
         ("build", "--out", str(text)): "cannot write there",
     }
     for arguments, sentence in mistakes.items():
-        done = curvesqueal(*arguments, folder=tmp_path)
-        said = " ".join(done.stderr.replace("│", " ").split())
-        assert done.returncode != 0, arguments
-        assert done.stdout == "", arguments
+        code, out, err = in_process(capsys, *arguments)
+        said = " ".join(err.replace("│", " ").split())
+        assert code != 0, arguments
+        assert out == "", arguments
         assert sentence in said, (arguments, said)
     assert not (tmp_path.parent / "outside.txt").exists()
+
+
+def test_a_mistake_ends_a_real_process_with_a_sentence(tmp_path: Path) -> None:
+    done = curvesqueal("run", "case5", folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("curvesqueal: case5: neither a case")
