@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from fmus.interface import DIRECTIONS
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
 
 Real = NDArray[np.float64]
 

@@ -23,6 +23,7 @@ from .algorithms import ALGORITHMS
 from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
+from .stability_commands import stability, table4
 
 app = typer.Typer(
     name="curvesqueal",
@@ -117,7 +118,7 @@ def _notice(text: str) -> None:
 def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
     """Show a bar on the error stream, with simulated time and time to go."""
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
-    with Progress(*columns, console=messages, transient=True) as bar:
+    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
         task = bar.add_task("loading", total=None, now="")
 
         def report(progress: master.Progress) -> None:
@@ -185,7 +186,7 @@ def friction(
     contact: Annotated[Path | None, typer.Option(help="Contact FMU; default: the project's own.")] = None,
     json: Json = False,
 ) -> None:
-    """Draw both friction curves of the paper (Fig. 5) from the contact FMU."""
+    """Draw the two friction curves of the paper, its figure 5, from the contact FMU."""
     from .archive import unpack  # noqa: PLC0415
     from .figures import draw_friction  # noqa: PLC0415
     from .friction_curve import friction_curve  # noqa: PLC0415
@@ -206,6 +207,8 @@ def friction(
 
 app.add_typer(rail_app, name="rail")
 app.command()(check)
+app.command()(stability)
+app.command()(table4)
 
 
 def main() -> None:

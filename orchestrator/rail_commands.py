@@ -225,9 +225,9 @@ def _require_suffix(path: Path, suffixes: tuple[str, ...]) -> None:
 
 def _write_rail(data: ModalData, path: Path, name: str) -> None:
     """Write a modal rail as modal data or as an FMU of the given model name, by the suffix."""
-    from fmus.modal import structure  # noqa: PLC0415
     from fmus.modal_data import write_modal_data  # noqa: PLC0415
     from fmus.packaging.python_fmu import build_python_fmu  # noqa: PLC0415
+    from fmus.structure import structure  # noqa: PLC0415
 
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".toml":

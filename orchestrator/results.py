@@ -12,13 +12,16 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 import netCDF4
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from .errors import InputError
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
 
 _COUNT_POSITION = 4
 """Position of the number of records in a classic NetCDF file [bytes]."""
@@ -88,6 +91,8 @@ def open_results(path: Path) -> xr.Dataset:
     InputError
         If the file is missing or holds no results.
     """
+    import xarray as xr  # noqa: PLC0415
+
     if not path.is_file():
         raise InputError(f"{path}: no such results file")
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from fmus.contact.linearised import LinearContact
 from fmus.modal import Modes, state_space
 
 Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 TANGENTIAL = [0, 1, 3]
 """Directions lon, lat, spin in the order lon, lat, normal, spin."""
@@ -85,7 +85,7 @@ class Poles:
         return Poles(self.frequency_hz[keep], self.growth_rate[keep])
 
 
-def poles_of(eigenvalues: Complex) -> Poles:
+def poles_of(eigenvalues: NDArray[Any]) -> Poles:
     """Return the poles of eigenvalues [1/s]; of each complex pair one."""
     positive = eigenvalues[eigenvalues.imag > 1e-9]
     positive = positive[np.argsort(positive.imag)]

@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fmus.component import Instance
-from fmus.modal import Modes, _impulse_response, mobility, receptance, state_space, structure
+from fmus.modal import Modes, mobility, receptance, state_space
 from fmus.rail.component import rail
+from fmus.structure import _impulse_response, structure
 from fmus.wheel.component import wheel
 
 FREQUENCIES = np.geomspace(10, 6000, 50) * 2 * np.pi

@@ -10,8 +10,9 @@ from coupled import modes_of
 from numpy.typing import NDArray
 
 from fmus.component import Component, Instance
-from fmus.modal import Modes, mobility, structure
+from fmus.modal import Modes, mobility
 from fmus.rail.component import paper_rail, rail
+from fmus.structure import structure
 from orchestrator.rail_passivity import Responses, estimate_mobility, find_activity, find_growth
 
 STEP = 5e-6

@@ -27,6 +27,7 @@ COMMON = (
     "compile.py",
     "component.py",
     "interface.py",
+    "modal.py",
     "packaging/__init__.py",
     "packaging/model_description.py",
     "packaging/slave.py",

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..component import Component
-from ..modal import Modes, structure
+from ..modal import Modes
 from ..modal_data import read_modal_data
+from ..structure import structure
 
 DATA = Path(__file__).parent / "data"
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ..component import Component
-from ..modal import Modes, structure
+from ..modal import Modes
+from ..structure import structure
 from .wheelset import DATA, read_wheelset
 
 

@@ -1,0 +1,224 @@
+"""The component that both wheel and rail are: declaration and kernels; forces in, velocities and displacements out.
+
+Each mode steps exactly, with the force held (matrix exponential of its 2 x 2 block).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .compile import kernel
+from .component import Component, Variable
+from .interface import (
+    DEFAULT_STEP,
+    DIRECTIONS,
+    INITIAL_VELOCITY,
+    MODAL_VELOCITY_UNIT,
+    PAIRS,
+    SHAPE_UNIT,
+    STEP_SIZE,
+    mobility_ports,
+    structure_inputs,
+    structure_outputs,
+)
+from .modal import Modes
+
+# The component: parameters are seven blocks of n values each, so that n follows from the array's length.
+
+_BLOCKS = 7
+_TABLES = 6
+N_MOBILITIES = len(PAIRS)
+
+
+def structure(name: str, description: str, modes: Modes, capacity: int | None = None) -> Component:
+    """Return the component of a modal structure that obeys the contract.
+
+    Parameters
+    ----------
+    modes : Modes
+        Start values of the modal parameters.
+    capacity : int, optional
+        Number of modes that the component has room for, >= len(modes); unused ones have a zero shape.
+    """
+    n = len(modes) if capacity is None else capacity
+    if n < len(modes):
+        raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
+    parameters = _modal_parameters(modes, n)
+    moving = tuple(v.name for v in parameters if v.name.startswith(("shape", INITIAL_VELOCITY)))
+    step = Variable(
+        STEP_SIZE, "parameter", "s", "communication step that the mobilities y are given for",
+        start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
+    )  # fmt: skip
+    inputs = tuple(
+        Variable(p.name, "input", p.unit, p.description, start=0.0, nominal=p.nominal) for p in structure_inputs()
+    )
+    outputs = tuple(
+        Variable(
+            p.name, "output", p.unit, p.description, nominal=p.nominal,
+            initially_depends_on=moving if p.name.startswith("v_") else (),
+        )
+        for p in structure_outputs()
+    )  # fmt: skip
+    mobilities = tuple(
+        Variable(
+            p.name, "calculatedParameter", p.unit, p.description, nominal=p.nominal,
+            initially_depends_on=None,
+        )
+        for p in mobility_ports("y")
+    )  # fmt: skip
+    return Component(
+        name=name,
+        description=description,
+        variables=(*inputs, *outputs, *mobilities, *parameters, step),
+        derived_size=N_MOBILITIES + 1 + _TABLES * n,
+        state_size=2 * n,
+        kernels="structure",
+    )
+
+
+def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
+    """Return the seven blocks of modal parameters, padded to `n` modes."""
+    blocks = [
+        ("frequency", "Hz", "natural frequency", modes.omega / (2 * np.pi), 0.0, 1e6, 1e3),
+        ("damping_ratio", "1", "damping ratio", modes.zeta, 0.0, 1e3, 1e-3),
+    ]
+    blocks += [
+        (f"shape_{d}", SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
+        for j, d in enumerate(DIRECTIONS)
+    ]
+    blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
+    return tuple(
+        Variable(
+            f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}",
+            start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
+        )
+        for name, unit, text, values, low, high, nominal in blocks
+        for i in range(n)
+    )  # fmt: skip
+
+
+@kernel
+def _impulse_response(omega, zeta, h):  # type: ignore[no-untyped-def]
+    """Return g, g' and the integral of g at time h, where g'' + 2 zeta omega g' + omega^2 g = delta(t).
+
+    Three branches, none of which subtracts nearly equal numbers: power series, under-damped, over-damped.
+    """
+    wh = omega * h
+    decay = zeta * wh
+    if wh + 2.0 * decay < 0.05:  # terms c of the series of g, with t^k in them; 10 reach rounding
+        before, c = 0.0, h
+        g, slope, integral = c, 1.0, 0.5 * h * c
+        for k in range(2, 12):
+            before, c = c, -(2.0 * decay * c / k + wh * wh * before / (k * (k - 1)))
+            g += c
+            slope += k * c / h
+            integral += h * c / (k + 1)
+        return g, slope, integral
+    if zeta < 1.0:
+        b = wh * math.sqrt(1.0 - zeta * zeta)
+        sinc = math.sin(b) / b if b > 1e-4 else 1.0 - b * b / 6.0
+        e = math.exp(-decay)
+        half = math.sin(0.5 * b)
+        g = e * h * sinc
+        slope = e * (math.cos(b) - decay * sinc)
+        return g, slope, (e * (2.0 * half * half - decay * sinc) - math.expm1(-decay)) / (omega * omega)
+    b = wh * math.sqrt(zeta * zeta - 1.0)
+    fast = -(decay + b)
+    slow = wh * wh / fast
+    ratio = -math.expm1(-2.0 * b) / (2.0 * b) if b > 1e-8 else 1.0 - b
+    g = h * math.exp(slow) * ratio
+    slope = slow * g / h + math.exp(fast)
+    return g, slope, (fast * g / h - math.expm1(fast)) / (omega * omega)
+
+
+@kernel
+def _tabulate(parameters, derived, h):  # type: ignore[no-untyped-def]
+    """Fill `derived`: interface mobility (10), step (1), six tables of the exact step of each mode."""
+    n = (parameters.size - 1) // _BLOCKS
+    t = N_MOBILITIES + 1
+    derived[N_MOBILITIES] = h
+    for p in range(N_MOBILITIES):
+        derived[p] = 0.0
+    for i in range(n):
+        omega = 2.0 * math.pi * parameters[i]
+        zeta = parameters[n + i]
+        g, slope, integral = _impulse_response(omega, zeta, h)
+        derived[t + i] = slope  # velocity per velocity
+        derived[t + n + i] = -omega * omega * g  # velocity per displacement
+        derived[t + 2 * n + i] = g  # velocity per force
+        derived[t + 3 * n + i] = g  # displacement per velocity
+        derived[t + 4 * n + i] = slope + 2.0 * zeta * omega * g  # displacement per displacement
+        derived[t + 5 * n + i] = integral  # displacement per force
+        p = 0
+        for row in range(4):
+            for column in range(row, 4):
+                derived[p] += parameters[(2 + row) * n + i] * parameters[(2 + column) * n + i] * g
+                p += 1
+
+
+@kernel
+def _observe(parameters, state, outputs):  # type: ignore[no-untyped-def]
+    """Sum the modal velocities and displacements into the velocities and displacements of the contact point."""
+    n = (parameters.size - 1) // _BLOCKS
+    v0 = v1 = v2 = v3 = u0 = u1 = u2 = u3 = 0.0
+    for i in range(n):
+        v = state[i]
+        u = state[n + i]
+        lon = parameters[2 * n + i]
+        lat = parameters[3 * n + i]
+        ver = parameters[4 * n + i]
+        spin = parameters[5 * n + i]
+        v0 += lon * v
+        v1 += lat * v
+        v2 += ver * v
+        v3 += spin * v
+        u0 += lon * u
+        u1 += lat * u
+        u2 += ver * u
+        u3 += spin * u
+    outputs[0] = v0
+    outputs[1] = v1
+    outputs[2] = v2
+    outputs[3] = v3
+    outputs[4] = u0
+    outputs[5] = u1
+    outputs[6] = u2
+    outputs[7] = u3
+
+
+@kernel
+def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+    """Start at zero displacement with the given modal velocities."""
+    n = (parameters.size - 1) // _BLOCKS
+    _tabulate(parameters, derived, parameters[_BLOCKS * n])
+    for i in range(n):
+        state[i] = parameters[6 * n + i]
+        state[n + i] = 0.0
+    _observe(parameters, state, outputs)
+
+
+@kernel
+def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
+    """Advance each mode exactly with the forces held over the step (matrix exponential of its 2 x 2 block)."""
+    n = (parameters.size - 1) // _BLOCKS
+    if derived[N_MOBILITIES] != h:
+        _tabulate(parameters, derived, h)
+    t = N_MOBILITIES + 1
+    f0 = inputs[0]
+    f1 = inputs[1]
+    f2 = inputs[2]
+    f3 = inputs[3]
+    for i in range(n):
+        force = (
+            parameters[2 * n + i] * f0
+            + parameters[3 * n + i] * f1
+            + parameters[4 * n + i] * f2
+            + parameters[5 * n + i] * f3
+        )
+        v = state[i]
+        u = state[n + i]
+        state[i] = derived[t + i] * v + derived[t + n + i] * u + derived[t + 2 * n + i] * force
+        state[n + i] = derived[t + 3 * n + i] * v + derived[t + 4 * n + i] * u + derived[t + 5 * n + i] * force
+    _observe(parameters, state, outputs)
