@@ -44,8 +44,8 @@ ssp: .venv/user  ## write the SSDs and parameter sets in ssp/ from the contract
 data: .venv/user  ## make the shipped wheel and rail data again
 	$(BIN)/python -m fmus.wheel.finite_elements && $(BIN)/python -m fmus.rail.regenerate
 
-figures: .venv/user  ## friction curves (Fig. 5) and wheel pictures
-	$(BIN)/curvesqueal friction && $(BIN)/python -m orchestrator.report_wheel results
+figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), wheel (Fig. 6) and stability (Fig. 7)
+	$(BIN)/curvesqueal rail figures --out results && $(BIN)/curvesqueal friction && $(BIN)/curvesqueal wheel figures && $(BIN)/curvesqueal stability case1 --out results/stability.png
 
 bench: .venv/developer  ## time per step of the components and of the master, as ratios
 	$(BIN)/python benchmarks/steps.py

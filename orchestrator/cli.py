@@ -20,10 +20,12 @@ from fmus.interface import DIRECTIONS
 
 from . import master, running
 from .algorithms import ALGORITHMS
+from .command_tools import Json
 from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .stability_commands import stability, table4
+from .wheel_commands import wheel_app
 
 app = typer.Typer(
     name="curvesqueal",
@@ -35,8 +37,6 @@ app = typer.Typer(
 )
 messages = Console(stderr=True)
 screen = Console()
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
 @app.command()
@@ -206,6 +206,7 @@ def friction(
 
 
 app.add_typer(rail_app, name="rail")
+app.add_typer(wheel_app, name="wheel")
 app.command()(check)
 app.command()(stability)
 app.command()(table4)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +10,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from .command_tools import Force, Json, require_free, require_suffix, user_mistakes
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -22,28 +21,9 @@ rail_app = typer.Typer(
 )
 screen = Console()
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that is there.")]
 Track = Annotated[str, typer.Argument(metavar="TRACK", help="A track file, or default, soft-pads, bs113a, slab.")]
 
 Errors = dict[str, dict[str, float]]
-
-
-@contextmanager
-def user_mistakes() -> Iterator[None]:
-    """Turn what the components and the file system refuse into an error of the user's input."""
-    try:
-        yield
-    except ValueError as error:
-        raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(f"{error.filename}: {error.strerror or error}") from None
-
-
-def require_free(path: Path, force: bool) -> None:
-    """Raise InputError if a file is there that writing would replace."""
-    if path.exists() and not force:
-        raise InputError(f"{path}: is there already; give another --out, or --force to overwrite it")
 
 
 @rail_app.command()
@@ -70,7 +50,7 @@ def fit(
     with user_mistakes():
         path = track_file(track)
         target = out or Path(f"rail-{path.stem}-{method}.toml")
-        _require_suffix(target, (".toml",))
+        require_suffix(target, (".toml",))
         require_free(target, force)
         the_track = read_track(path)
         data = modal_rail(the_track, method, modes)
@@ -127,7 +107,7 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
 
     with user_mistakes():
         if out is not None:
-            _require_suffix(out, (".toml", ".fmu"))
+            require_suffix(out, (".toml", ".fmu"))
             require_free(out, force)
         data, quality = data_of_files(files, quantity, modes, axis or [])
         if out is not None:
@@ -150,7 +130,7 @@ def build(
     from fmus.modal_data import read_modal_data  # noqa: PLC0415
 
     with user_mistakes():
-        _require_suffix(out, (".fmu",))
+        require_suffix(out, (".fmu",))
         require_free(out, force)
         _write_rail(read_modal_data(modes), out, "rail")
     screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
@@ -215,12 +195,6 @@ def track_file(track: str) -> Path:
     if not path.is_file():
         raise InputError(f"{track}: neither a track file nor one of {', '.join(shipped)}")
     return path
-
-
-def _require_suffix(path: Path, suffixes: tuple[str, ...]) -> None:
-    """Raise InputError for a file that is not called what it becomes."""
-    if path.suffix not in suffixes:
-        raise InputError(f"--out {path}: must end with {' or '.join(suffixes)}")
 
 
 def _write_rail(data: ModalData, path: Path, name: str) -> None:

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from fmus.packaging.system_structure import read_cases
 
+from .command_tools import Json
 from .errors import InputError
 from .stability_case import REPORTED_BELOW_HZ, Stability, analyse
 from .stability_inputs import CLASS158, RIGID_RAIL, case_inputs, find_case, find_rail, find_wheel, system_inputs
@@ -19,7 +20,6 @@ from .table4 import Cell, Table4, compare
 
 screen = Console()
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 RailOption = Annotated[
     str | None, typer.Option(help="analytic (default for a case), modal, or an .fmu file; a rigid rail stays rigid.")
 ]

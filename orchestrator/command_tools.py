@@ -1,0 +1,38 @@
+"""What the commands share: options, and refusals in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .errors import InputError
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that is there.")]
+
+
+@contextmanager
+def user_mistakes() -> Iterator[None]:
+    """Turn what the components and the file system refuse into an error of the user's input."""
+    try:
+        yield
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(f"{error.filename}: {error.strerror or error}") from None
+
+
+def require_free(path: Path, force: bool) -> None:
+    """Raise InputError if a file is there that writing would replace."""
+    if path.exists() and not force:
+        raise InputError(f"{path}: is there already; give another --out, or --force to overwrite it")
+
+
+def require_suffix(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Raise InputError for a file that is not called what it becomes."""
+    if path.suffix not in suffixes:
+        raise InputError(f"--out {path}: must end with {' or '.join(suffixes)}")
