@@ -50,7 +50,8 @@ def stability(
         typer.echo(json_format.dumps(as_json(result), indent=2))
         return
     table = Table(
-        title=f"{case}: {result.unstable_pairs} unstable pairs of poles by encirclements", title_justify="left"
+        title=f"{case}, below {REPORTED_BELOW_HZ:g} Hz ({result.unstable_pairs} encirclements at all frequencies)",
+        title_justify="left",
     )
     for heading in ("unstable frequency [Hz]", "loop gain", "wheel modes"):
         table.add_column(heading, justify="left" if heading == "wheel modes" else "right")
