@@ -212,15 +212,25 @@ app.command()(stability)
 app.command()(table4)
 
 
-def main() -> None:
-    """Run the command line; a user's mistake is one sentence and a non-zero exit."""
+def command_line() -> int:
+    """Run the command line and return its exit code; a user's mistake is one sentence and a non-zero code."""
     try:
         app()
-    except InputError as error:
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    except (InputError, SimulationError) as error:
         _say(f"curvesqueal: {error}")
-        sys.exit(1)
-    except SimulationError as error:
-        _say(f"curvesqueal: {error}")
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(1)  # a component that failed may have damaged this process; nothing of it shall run any more
+        return 1
+    return 0
+
+
+def main() -> None:
+    """Run the command line and leave the process at once.
+
+    PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
+    it anyway: the libraries of FMUs get no chance to do more.
+    """
+    code = command_line()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from fmus.interface import DIRECTIONS
-from orchestrator.cli import main
+from orchestrator.cli import command_line
 from orchestrator.results import open_results
 
 
@@ -146,10 +146,9 @@ def in_process(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int
     """Run the command line in this process; return exit code, stdout and stderr. An exception would be a traceback."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "argv", ["curvesqueal", *arguments])
-        with pytest.raises(SystemExit) as done:
-            main()
+        code = command_line()
     captured = capsys.readouterr()
-    return int(done.value.code or 0), captured.out, captured.err
+    return code, captured.out, captured.err
 
 
 def test_user_mistakes_are_one_sentence(

@@ -196,7 +196,7 @@ def test_torsion_brings_the_extra_lateral_modes() -> None:
         (SPIN, 4000, 7.8e-4),
     ],
 )  # fmt: skip
-def test_mobility_agrees_with_an_independent_prototype(direction: int, frequency_hz: float, magnitude: float) -> None:
+def test_mobility_agrees_with_an_independent_calculation(direction: int, frequency_hz: float, magnitude: float) -> None:
     """Values of a separately written program for the same track, lateral bending only; two digits were given."""
     track = replace(_track(), lateral_model="bending")
     Y = track_mobility([2 * np.pi * frequency_hz], track)[0, direction, direction]
