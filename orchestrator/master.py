@@ -103,6 +103,7 @@ class Master:
             if fmu.variables[variable].type == "Real"
         ]
         self.directions = list(dict.fromkeys(bond.direction for bond in assembly.bonds))
+        self.stages = stages(settings.algorithm, assembly.coupling())
         self._exit = ExitStack()
         with ExitStack() as stack:
             self.instances: dict[str, FmuInstance] = {}
@@ -148,7 +149,6 @@ class Master:
         links = [link for name in names for link in inputs[name]]
         place_y = {key: i for i, key in enumerate(self.outputs)}
         place_u = {(k.wire.end_element, k.wire.end_connector): i for i, k in enumerate(links)}
-        order = stages(self.settings.algorithm, a.coupling())
 
         def references(keys: list[tuple[str, str]]) -> NDArray[np.uint32]:
             return np.array([a.fmus[e].variables[v].valueReference for e, v in keys], dtype=np.uint32)
@@ -163,8 +163,8 @@ class Master:
             return np.array(keys, dtype=np.int64)
 
         return loop.Plan(
-            stage_begin=begins([len(stage) for stage in order]),
-            order=places([names.index(name) for stage in order for name in stage]),
+            stage_begin=begins([len(stage) for stage in self.stages]),
+            order=places([names.index(name) for stage in self.stages for name in stage]),
             handle=places([self.instances[name].handle for name in names]),
             set_real=addresses("fmi2SetReal"),
             get_real=addresses("fmi2GetReal"),
@@ -192,7 +192,7 @@ class Master:
         for name, instance in self.instances.items():
             instance.set(self.parameters[name])
             instance.enter_initialization_mode(start, stop)
-        for stage in stages("staggered", self.assembly.coupling()):
+        for stage in self.stages:
             for name in stage:
                 self._bring_inputs(name)
                 self._fetch_outputs(name)

@@ -222,6 +222,17 @@ def test_any_fmus_can_be_coupled(tmp_path: Path) -> None:
     assert sorted(last) == pytest.approx([0.4, 1.2], rel=1e-12)
 
 
+def test_algebraic_loop_runs_with_jacobi_as_the_refusal_says(tmp_path: Path) -> None:
+    """The same ring, declared as a true loop: staggered refuses and names a way out, and that way works."""
+    first, second = (toy_fmu(tmp_path, name, GOOD, feedthrough=True) for name in ("First", "Second"))
+    turned = '<ssc:LinearTransformation factor="-1" offset="0"/>'
+    system = read_system(toy_ssd(tmp_path, first, second, extra=turned))
+    with pytest.raises(InputError, match=r"algebraic loop: .* use --algorithm jacobi"):
+        run(system, Settings(1e-4, 0.01))
+    _, last = run(system, Settings(1e-4, 0.01, "jacobi"))
+    assert sorted(last) == pytest.approx([0.4, 1.2], rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [

@@ -28,6 +28,13 @@ class {name}(Fmi2Slave):
         fixed = Fmi2Variability.fixed
         self.register_variable(Real("p", causality=Fmi2Causality.parameter, variability=fixed, start=1.0))
 
+    def to_xml(self, model_options=None):
+        root = super().to_xml(model_options or {{}})
+        if {feedthrough}:
+            for unknown in root.iter("Unknown"):
+                unknown.set("dependencies", "1")
+        return root
+
     def do_step(self, current_time, step_size):
         self.steps += 1
 {body}
@@ -35,11 +42,16 @@ class {name}(Fmi2Slave):
 """
 
 
-def toy_fmu(folder: Path, name: str, body: str) -> Path:
-    """Build an FMU with an input `u`, an output `y` and a parameter `p`; `body` is what a step does."""
+def toy_fmu(folder: Path, name: str, body: str, feedthrough: bool = False) -> Path:
+    """Build an FMU with an input `u`, an output `y` and a parameter `p`; `body` is what a step does.
+
+    With `feedthrough` the model description says that `y` depends on `u` within a step.
+    """
     unique = f"{name}_{hashlib.sha256(str(folder).encode()).hexdigest()[:8]}"  # all FMUs share sys.modules
     script = folder / f"{unique}.py"
-    script.write_text(SLAVE.format(name=unique, body=textwrap.indent(textwrap.dedent(body).strip(), " " * 8)))
+    script.write_text(
+        SLAVE.format(name=unique, feedthrough=feedthrough, body=textwrap.indent(textwrap.dedent(body).strip(), " " * 8))
+    )
     return Path(FmuBuilder.build_FMU(script, dest=folder, needsExecutionTool=False))
 
 
