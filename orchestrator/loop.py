@@ -35,7 +35,7 @@ Plan = namedtuple(
         "output_reference",  # (outputs,) value references, uint32
         "u",  # (inputs,) values that the components hold
         "y",  # (outputs,) latest outputs
-        "source",  # (inputs,) position in `y` of what feeds an input; -1: nothing, the start value is held
+        "source",  # (inputs,) position in `y` of what feeds an input
         "gain",  # (inputs,) factor of the connection
         "offset",  # (inputs,) offset of the connection
         "bond_force",  # (bonds,) positions in `u` of forces on structures
@@ -76,31 +76,29 @@ def _call_step(typing_context, address, handle, time, step):  # type: ignore[no-
 
 
 @njit(cache=True)
-def _gather(plan, c):  # type: ignore[no-untyped-def]
-    """Bring the inputs of component `c` up to date with the latest outputs."""
-    for i in range(plan.input_begin[c], plan.input_begin[c + 1]):
-        if plan.source[i] >= 0:
-            plan.u[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
+    """Bring the inputs of component `c` up to date with the latest outputs and set them; return the FMI status."""
+    begin = plan.input_begin[c]
+    end = plan.input_begin[c + 1]
+    if begin == end:
+        return 0
+    for i in range(begin, end):
+        plan.u[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+    references = plan.input_reference.ctypes.data + 4 * begin
+    values = plan.u.ctypes.data + 8 * begin
+    return _call_reals(plan.set_real[c], plan.handle[c], references, end - begin, values)  # type: ignore[call-arg]
 
 
 @njit(cache=True)
-def _exchange(plan, c, setting):  # type: ignore[no-untyped-def]
-    """Set the inputs or get the outputs of component `c`; return the FMI status."""
-    if setting:
-        begin = plan.input_begin[c]
-        count = plan.input_begin[c + 1] - begin
-        if count == 0:
-            return 0
-        references = plan.input_reference.ctypes.data + 4 * begin
-        values = plan.u.ctypes.data + 8 * begin
-        return _call_reals(plan.set_real[c], plan.handle[c], references, count, values)  # type: ignore[call-arg]
+def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
+    """Get the outputs of component `c`; return the FMI status."""
     begin = plan.output_begin[c]
-    count = plan.output_begin[c + 1] - begin
-    if count == 0:
+    end = plan.output_begin[c + 1]
+    if begin == end:
         return 0
     references = plan.output_reference.ctypes.data + 4 * begin
     values = plan.y.ctypes.data + 8 * begin
-    return _call_reals(plan.get_real[c], plan.handle[c], references, count, values)  # type: ignore[call-arg]
+    return _call_reals(plan.get_real[c], plan.handle[c], references, end - begin, values)  # type: ignore[call-arg]
 
 
 @njit(cache=True)
@@ -111,8 +109,7 @@ def _step(plan, time, h):  # type: ignore[no-untyped-def]
         end = plan.stage_begin[s + 1]
         for k in range(begin, end):
             c = plan.order[k]
-            _gather(plan, c)
-            status = _exchange(plan, c, True)
+            status = _set_inputs(plan, c)
             if status > 1:
                 return SET, c, status
         for k in range(begin, end):
@@ -122,7 +119,7 @@ def _step(plan, time, h):  # type: ignore[no-untyped-def]
                 return STEP, c, status
         for k in range(begin, end):
             c = plan.order[k]
-            status = _exchange(plan, c, False)
+            status = _get_outputs(plan, c)
             if status > 1:
                 return GET, c, status
     return OK, 0, 0

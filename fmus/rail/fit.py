@@ -94,18 +94,23 @@ def fit_modes(omega: ArrayLike, target: Complex, most_modes: int = MOST_MODES, g
     return Modes(table[:, 0], table[:, 1], table[:, 2:], tuple(labels))
 
 
+def check_frequencies(frequency_hz: Real, what: str) -> None:
+    """Raise ValueError unless frequencies are finite, positive and increasing; `what` begins the message."""
+    f = frequency_hz
+    bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
+    if bad.size:
+        raise ValueError(f"{what}: frequency {bad[0] + 1} is {f[bad[0]]:g} Hz; must be finite and > 0")
+    bad = np.flatnonzero(np.diff(f) <= 0)
+    if bad.size:
+        raise ValueError(f"{what}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+
+
 def _checked(omega: ArrayLike, target: Complex, most_modes: int) -> Real:
     """Return the frequencies as an array if data and settings can be fitted."""
     w = np.asarray(omega, dtype=float)
     if w.ndim != 1 or w.size < FEWEST_FREQUENCIES:
         raise ValueError(f"fit: {w.size} frequencies; must be at least {FEWEST_FREQUENCIES}")
-    bad = np.flatnonzero(~np.isfinite(w) | (w <= 0))
-    if bad.size:
-        raise ValueError(f"fit: frequency {bad[0] + 1} is {w[bad[0]] / (2 * np.pi):g} Hz; must be finite and > 0")
-    bad = np.flatnonzero(np.diff(w) <= 0)
-    if bad.size:
-        high, low = w[bad[0]] / (2 * np.pi), w[bad[0] + 1] / (2 * np.pi)
-        raise ValueError(f"fit: {low:g} Hz comes after {high:g} Hz; frequencies must increase")
+    check_frequencies(w / (2 * np.pi), "fit")
     if target.shape != (w.size, 4, 4):
         raise ValueError(f"fit: receptance has the shape {target.shape}; must be {(w.size, 4, 4)}")
     for j, direction in enumerate(DIRECTIONS):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..interface import DIRECTIONS
 from ..modal import Modes
-from .fit import MOST_MODES, fit_errors, fit_modes
+from .fit import MOST_MODES, check_frequencies, fit_errors, fit_modes
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -56,14 +56,7 @@ class Measurement:
         unknown = sorted(set(self.receptance) - set(DIRECTIONS))
         if unknown:
             raise ValueError(f"measurement: direction {unknown[0]!r}; must be one of {', '.join(DIRECTIONS)}")
-        bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
-        if bad.size:
-            raise ValueError(f"measurement: frequency {bad[0] + 1} is {f[bad[0]]:g} Hz; must be finite and > 0")
-        bad = np.flatnonzero(np.diff(f) <= 0)
-        if bad.size:
-            raise ValueError(
-                f"measurement: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase"
-            )
+        check_frequencies(f, "measurement")
         for direction, values in self.receptance.items():
             if values.shape != f.shape:
                 raise ValueError(f"measurement: {values.size} values in {direction} for {f.size} frequencies")
