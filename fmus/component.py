@@ -2,7 +2,8 @@
 
 `initialise(parameters, derived, state, inputs, outputs)` and `do_step(parameters, derived, state, inputs, outputs, h)`
 write into flat float arrays; integers and booleans are stored as floats. The calculated parameters are the head of
-`derived`, so that they are known after `initialise`.
+`derived`, so that they are known after `initialise`; the local variables are the head of `state`, so that they cost
+nothing.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from .compile import Kernel
 
 Vector = NDArray[np.float64]
 
-CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
+CAUSALITIES = ("parameter", "calculatedParameter", "local", "input", "output")
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Variable:
 
     Attributes
     ----------
-    causality : {'parameter', 'calculatedParameter', 'input', 'output'}
+    causality : {'parameter', 'calculatedParameter', 'local', 'input', 'output'}
     kind : {'Real', 'Integer', 'Boolean'}
     start : value at instantiation; None where the component calculates it
     minimum, maximum : smallest and largest value that is accepted
@@ -162,7 +163,9 @@ class Instance:
     def places(self) -> list[int]:
         """Return where in `memory` the value of each variable stands."""
         n, d, s, i = (a.size for a in (self.parameters, self.derived, self.state, self.inputs))
-        following = {"parameter": 0, "calculatedParameter": n, "input": n + d + s, "output": n + d + s + i}
+        following = {
+            "parameter": 0, "calculatedParameter": n, "local": n + d, "input": n + d + s, "output": n + d + s + i,
+        }  # fmt: skip
         places = []
         for variable in self.component.variables:
             places.append(following[variable.causality])

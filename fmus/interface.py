@@ -33,6 +33,9 @@ STEP_SIZE = "step_size"
 INITIAL_VELOCITY = "initial_velocity"
 """Parameters of a structure that begin with this are initial modal velocities."""
 
+MODAL_VELOCITY = "modal_velocity"
+"""Local variables of a structure that begin with this are its modal velocities: what a radiation model needs."""
+
 PULSE_FORCE = "pulse_force"
 """Parameter of the contact: amplitude of the lateral force pulse that starts the vibration."""
 

@@ -15,6 +15,7 @@ from .interface import (
     DEFAULT_STEP,
     DIRECTIONS,
     INITIAL_VELOCITY,
+    MODAL_VELOCITY,
     MODAL_VELOCITY_UNIT,
     PAIRS,
     SHAPE_UNIT,
@@ -68,10 +69,17 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
         )
         for p in mobility_ports("y")
     )  # fmt: skip
+    velocities = tuple(
+        Variable(
+            f"{MODAL_VELOCITY}_{i + 1:03d}", "local", MODAL_VELOCITY_UNIT, f"modal velocity of mode {i + 1}",
+            nominal=1e-3,
+        )
+        for i in range(n)
+    )  # fmt: skip
     return Component(
         name=name,
         description=description,
-        variables=(*inputs, *outputs, *mobilities, *parameters, step),
+        variables=(*inputs, *outputs, *mobilities, *parameters, step, *velocities),
         derived_size=N_MOBILITIES + 1 + _TABLES * n,
         state_size=2 * n,
         kernels="structure",

@@ -81,7 +81,7 @@ def test_each_case_has_its_own_name() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"causality": "local"}, "causality is 'local'; must be one of"),
+        ({"causality": "independent"}, "causality is 'independent'; must be one of"),
         ({"start": 2.0, "maximum": 1.0}, "x = 2: must be"),
     ],
 )

@@ -16,6 +16,7 @@ from fmu_manipulation_toolbox.operations import FMU
 
 from fmus.component import Component, Instance
 from fmus.contact.component import contact
+from fmus.interface import DIRECTIONS
 from fmus.packaging.build import components
 from fmus.packaging.python_fmu import build_python_fmu
 
@@ -235,3 +236,17 @@ os._exit(0)  # PythonFMU frees its state twice at an ordinary end
     assert done.returncode == 0, done.stderr
     assert message in done.stdout
     assert "status" in done.stdout
+
+
+def test_modal_velocities_add_up_to_the_velocity_of_the_contact_point(built: Path) -> None:
+    slave = Slave(built / "wheel.fmu")
+    slave.set_inputs(np.array([1e3, 2e3, 5e3, 10.0]))
+    for _ in range(50):
+        slave.step()
+    modal = np.array(slave.slave.getReal([slave.reference[n] for n in slave.names("local")]))
+    for direction in DIRECTIONS:
+        names = [f"shape_{direction}_{i + 1:03d}" for i in range(modal.size)]
+        shape = np.array(slave.slave.getReal([slave.reference[n] for n in names]))
+        (velocity,) = slave.slave.getReal([slave.reference[f"v_{direction}"]])
+        assert shape @ modal == pytest.approx(velocity, rel=1e-10)
+    slave.close()

@@ -43,9 +43,11 @@ def _page(component: Component, version: str) -> str:
         for title, causality in (
             ("Inputs", "input"),
             ("Outputs", "output"),
+            ("Local variables", "local"),
             ("Calculated parameters", "calculatedParameter"),
             ("Parameters", "parameter"),
         )
+        if component.of(causality)
     )
     return _PAGE.format(name=component.name, description=escape(component.description), version=version, tables=tables)
 

@@ -10,7 +10,13 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 from ..component import Component, Variable
 from ..interface import DEFAULT_STEP, UNITS
 
-VARIABILITY = {"parameter": "fixed", "calculatedParameter": "fixed", "input": "continuous", "output": "continuous"}
+VARIABILITY = {
+    "parameter": "fixed",
+    "calculatedParameter": "fixed",
+    "local": "continuous",
+    "input": "continuous",
+    "output": "continuous",
+}
 
 
 def model_description(component: Component, version: str, content: str) -> Element:
