@@ -19,6 +19,7 @@ from pythonfmu.builder import FmuBuilder
 from ..component import Component
 from .archive import write_archive
 from .documentation import documentation_files
+from .terminals import terminal_files
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -79,7 +80,7 @@ def build_python_fmu(component: Component, file: Path, version: str) -> Path:
             raw = FmuBuilder.build_FMU(
                 script, dest=Path(folder) / "raw.fmu", project_files=[Path(folder) / package], needsExecutionTool=False
             )
-        write_archive(raw, file, documentation_files(component, version))
+        write_archive(raw, file, {**documentation_files(component, version, python=True), **terminal_files(component)})
     return file
 
 
