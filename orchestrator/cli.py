@@ -69,6 +69,8 @@ def build(
             building.build(out / target.flavour if len(chosen) > 1 else out, target, report)
     except ValueError as error:
         raise InputError(str(error)) from None
+    except RuntimeError as error:
+        raise SimulationError(f"build: {error}") from None
     except OSError as error:
         raise InputError(f"{out}: cannot write there: {error.strerror or error}") from None
     if json:

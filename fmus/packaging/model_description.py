@@ -21,11 +21,7 @@ VARIABILITY = {
 
 CAPABILITIES = {
     2: {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
-    3: {
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": "true",
-    },
+    3: {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
 }
 """What every FMU can do, as the FMI versions write it."""
 

@@ -33,6 +33,8 @@ def model_description3(component: Component, version: str, content: str) -> Elem
         "hasEventMode": "false",
         **CAPABILITIES[3],
     }
+    if component.differentiable:
+        options["providesDirectionalDerivatives"] = "true"
     SubElement(root, "CoSimulation", options)
     unit_definitions(root, component)
     log_categories(root)

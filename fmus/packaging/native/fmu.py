@@ -21,6 +21,7 @@ from ..archive import write_files
 from ..documentation import documentation_files
 from ..model_description import model_description
 from ..model_description3 import model_description3
+from ..sources import PACKAGE, kernel_files
 from ..terminals import terminal_files
 from .linker import FLAGS, Compiler, find_compiler, link
 from .lowering import lower
@@ -116,15 +117,12 @@ def _sources(component: Component, fmi: int, version: str) -> dict[str, bytes]:
 
 
 def _with_derivatives(component: Component, version: str, content: str) -> Element:
-    return model_description(component, version, content, derivatives=True)
+    return model_description(component, version, content, derivatives=component.differentiable)
 
 
 def _kernel_text(component: Component) -> bytes:
-    """Return the Python sources that the kernels may come from: all of the package's modules of that name."""
-    package = Path(__file__).parents[2]
-    folder = package / component.kernels.split(".")[0]
-    paths = sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
-    return b"".join(path.read_bytes() for path in (package / "interface.py", *paths))
+    """Return the Python sources that the kernels come from."""
+    return b"".join((PACKAGE / name).read_bytes() for name in kernel_files(component))
 
 
 def _build_description(

@@ -24,6 +24,24 @@ from typing import Any
 from ...component import Component, Instance
 
 PREFIX = "curvesqueal_"
+C_FUNCTIONS = {
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "cos",
+    "exp",
+    "expm1",
+    "fmod",
+    "log",
+    "log1p",
+    "pow",
+    "sin",
+    "sqrt",
+    "tan",
+}
+"""What kernels may call. LLVM's own intrinsics become such functions, or memset and memcpy."""
+
 NOTHING = re.compile(r"(define [^\n]*@NRT_(?:in|de)cref\([^\n]*\{)\n.*?\n\}", re.DOTALL)
 """Reference counting of arrays: the arrays of kernels are views of the instance's memory, which nobody counts."""
 
@@ -66,7 +84,8 @@ def _entries(kernels: str, sizes: list[int]) -> dict[str, tuple[Any, Any]]:
     from numba import carray, types  # type: ignore[attr-defined]  # noqa: PLC0415
 
     module = import_module(f"fmus.{kernels}")
-    initialise, do_step, differentiate = module.initialise, module.do_step, module.differentiate
+    initialise, do_step = module.initialise, module.do_step
+    differentiate: Any = getattr(module, "differentiate", None)
     a = sizes[0]
     b = a + sizes[1]
     c = b + sizes[2]
@@ -88,11 +107,13 @@ def _entries(kernels: str, sizes: list[int]) -> dict[str, tuple[Any, Any]]:
 
     pointer = types.CPointer(types.float64)
     real = types.float64
-    return {
+    entries = {
         "initialise": (initialise_entry, types.void(pointer)),
         "do_step": (do_step_entry, types.void(pointer, real)),
-        "differentiate": (differentiate_entry, types.void(pointer, real, pointer, pointer)),
     }
+    if differentiate is not None:
+        entries["differentiate"] = (differentiate_entry, types.void(pointer, real, pointer, pointer))
+    return entries
 
 
 def _module(kernels: str, sizes: list[int]) -> Any:
@@ -128,6 +149,9 @@ def _optimise(module: Any, machine: Any) -> None:
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(module, builder)
     module.verify()
+    outside = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")}
+    if not outside <= C_FUNCTIONS:
+        raise RuntimeError(f"a kernel calls {', '.join(sorted(outside - C_FUNCTIONS))}; only C's mathematics is there")
 
 
 def _compile(name: str, kernels: str, sizes: list[int], triples: list[str], folder: Path) -> None:

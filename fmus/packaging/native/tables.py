@@ -34,13 +34,14 @@ def component_header(component: Component, fmi: int, token: str) -> str:
         rows.append('{"time", "s", 0.0, 0.0, 0.0, MEMORY_SIZE, INDEPENDENT, REAL, 0}')
     sizes = [a.size for a in (instance.parameters, instance.derived, instance.state)]
     numbers = {
-        "MEMORY_SIZE": instance.memory.size,
+        "MEMORY_SIZE": sum(sizes) + instance.inputs.size + instance.outputs.size,
         "N_INPUTS": instance.inputs.size,
         "INPUTS_PLACE": sum(sizes),
         "N_OUTPUTS": instance.outputs.size,
         "OUTPUTS_PLACE": sum(sizes) + instance.inputs.size,
         "N_VARIABLES": len(rows),
         "N_REFERENCES": len(first) - 1,
+        "HAS_DERIVATIVES": int(component.differentiable),
     }
     lines = [
         "/* Generated from the declaration of the component. */",

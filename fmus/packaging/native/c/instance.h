@@ -289,6 +289,11 @@ static Status step(Instance *instance, double time, double h) {
 static Status differentiate(Instance *instance, const uint32_t unknowns[], size_t n_unknowns, const uint32_t knowns[],
                             size_t n_knowns, const double seed[], size_t n_seed, double sensitivity[],
                             size_t n_sensitivity) {
+#if !HAS_DERIVATIVES
+    (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)n_seed, (void)sensitivity;
+    (void)n_sensitivity;
+    return say(instance, ERROR, "directional derivatives are not offered");
+#else
     double inputs[N_INPUTS] = {0.0}, outputs[N_OUTPUTS] = {0.0};
     void *result = NULL, *error = NULL;
     if (unknowns == NULL || knowns == NULL || seed == NULL || sensitivity == NULL || n_seed != n_knowns ||
@@ -321,6 +326,7 @@ static Status differentiate(Instance *instance, const uint32_t unknowns[], size_
         sensitivity[i] = outputs[v->place - OUTPUTS_PLACE];
     }
     return OK;
+#endif
 }
 
 /* A kept state is a copy of `State`; as bytes it carries the token of the FMU in front. */
