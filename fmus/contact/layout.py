@@ -2,6 +2,7 @@
 
 from ..compile import positions
 from ..interface import contact_inputs, contact_outputs
+from .fastsim import SCRATCH_SIZE
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
@@ -25,4 +26,7 @@ D = positions(
 """Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (3 x 4)."""
 
 STATE_SIZE = S.newton + 9
-DERIVED_SIZE = D.mobility + 12
+SCRATCH = D.mobility + 12
+"""Position of the scratch space of FASTSIM in the derived quantities."""
+
+DERIVED_SIZE = SCRATCH + SCRATCH_SIZE
