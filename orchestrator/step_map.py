@@ -15,6 +15,7 @@ from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
 from fmus.contact.linearised import LinearContact
+from fmus.contact.prediction import DECAY, MEMORY, SLIP, STICK
 from fmus.modal import Modes
 
 from .stability import NORMAL, TANGENTIAL, OpenSystem, Poles, closed_loop_poles, poles_of
@@ -30,13 +31,14 @@ def step_map(
     Parameters
     ----------
     h : communication step [s]
-    algorithm : 'staggered' or 'jacobi'
+    algorithm : 'staggered', 'jacobi', or 'compensated': jacobi with the contact's host_delay_steps = 1
     implicit : whether the contact knows the interface mobility
 
     Returns
     -------
     (2n + 12, 2n + 12) array for the state (modal velocities, modal displacements, held contact forces, the forces
-    before them, the relative velocities before), the last three in contact axes
+    before them, the relative velocities before), the last three in contact axes; compensated (2n + 24, 2n + 24): also
+    the forces before those, and the rests of the last two changes of the velocities, see `fmus.contact.prediction`
     """
     open_system = OpenSystem.of(wheel, rail, contact.turn)
     R = open_system.R
@@ -44,16 +46,35 @@ def step_map(
     phi, gamma = _exact_step(open_system.A, n, h)
     drive = gamma @ R.T
     Y = R @ drive[:n] if implicit else np.zeros((4, 4))
-    size = 2 * n + 12
-    unit = np.eye(size)
-    now, held, before, v_before = np.split(unit, [2 * n, 2 * n + 4, 2 * n + 8])
+    unit = np.eye(2 * n + (24 if algorithm == "compensated" else 12))
+    now, held, before, v_before, *history = np.split(unit, range(2 * n, len(unit), 4))
     stepped = phi @ now + drive @ held
-    seen = {"staggered": stepped, "jacobi": now}.get(algorithm)
+    seen = {"staggered": stepped, "jacobi": now, "compensated": now}.get(algorithm)
     if seen is None:
-        raise ValueError(f"algorithm {algorithm!r}: must be 'staggered' or 'jacobi'")
+        raise ValueError(f"algorithm {algorithm!r}: must be 'staggered', 'jacobi' or 'compensated'")
     v, u = R @ seen[:n], R @ seen[n:]
+    if algorithm == "compensated":
+        older, b1, b2 = history
+        known, known_before = (Y @ (f - (1 - MEMORY) * f_before) for f, f_before in ((held, before), (before, older)))
+        b0 = v - v_before - known_before
+        part = _part_of_parabola(contact, Y)
+        rest = part * (3 * b0 - 3 * b1 + b2) + (1 - part) * DECAY * b0
+        rest2 = part * (6 * b0 - 8 * b1 + 3 * b2) + (1 - part) * DECAY**2 * b0
+        following, change = v + known + rest, MEMORY * Y @ held + rest2
+        v_ahead = following + change / 2 - part * (rest2 - rest) / 6
+        u_ahead = u + h * (v / 2 + following + (change - rest + b0) / 12)
+        return np.vstack([stepped, _law(contact, Y, v_ahead - Y @ held, u_ahead), held, v, before, b0, b1])
     v_ahead = v + 0.5 * (v - v_before - Y @ (held - before))
     return np.vstack([stepped, _law(contact, Y, v_ahead - Y @ held, u + 0.5 * h * v), held, v])
+
+
+def _part_of_parabola(contact: LinearContact, Y: Real) -> Real:
+    """Return how much of a parabola is in the extrapolation of each direction, (4, 1) from 0 to 1."""
+    t = TANGENTIAL
+    newton = np.linalg.inv(np.eye(3) - contact.H1 @ Y[np.ix_(t, t)])
+    part = np.ones((4, 1))
+    part[t] = np.clip((newton.diagonal().min() - STICK) / (SLIP - STICK), 0.0, 1.0)
+    return part
 
 
 def _law(contact: LinearContact, Y: Real, v: Real, u: Real) -> Real:
