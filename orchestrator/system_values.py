@@ -77,7 +77,7 @@ def component_values(element: Element, fmu: Fmu) -> Values:
 
 def variable_unit(element: Element, fmu: Fmu, name: str, where: str) -> Unit | str | None:
     """Return the unit of a variable; what SSD and FMU say must agree."""
-    own, told = _own_unit(fmu, name), element.connectors[name].unit if name in element.connectors else None
+    own, told = own_unit(fmu, name), element.connectors[name].unit if name in element.connectors else None
     if own and told:
         factor, offset = conversion(told, own, f"{where}: {element.name}.{name}, SSD against FMU")
         if (factor, offset) != (1.0, 0.0):
@@ -87,7 +87,7 @@ def variable_unit(element: Element, fmu: Fmu, name: str, where: str) -> Unit | s
     return own or told
 
 
-def _own_unit(fmu: Fmu, name: str) -> Unit | str | None:
+def own_unit(fmu: Fmu, name: str) -> Unit | str | None:
     """Return the unit that an FMU gives a variable, with the FMU's definition if it has one."""
     told = fmu.unit(name)
     for unit in fmu.description.unitDefinitions:
