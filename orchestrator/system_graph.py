@@ -58,6 +58,7 @@ class Graph:
     edges : by target
     values : of connectors of systems, in the connectors' units
     notices : what was passed over
+    references : number of references to other files that were followed
     """
 
     elements: dict[str, Element] = field(default_factory=dict)
@@ -65,6 +66,7 @@ class Graph:
     edges: dict[Port, Edge] = field(default_factory=dict)
     values: dict[Port, Parameter] = field(default_factory=dict)
     notices: list[str] = field(default_factory=list)
+    references: int = 0
 
     def connect(self, source: Port, target: Port, hop: Hop, where: str) -> None:
         """Add a connection.

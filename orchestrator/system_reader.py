@@ -21,8 +21,11 @@ _SSD = "application/x-ssp-definition"
 _SSP = "application/x-ssp-package"
 _SSB = "application/x-ssp-signal-dictionary"
 
-DEEPEST = 16
-"""Largest number of files that refer to each other in a chain."""
+DEEPEST = 50
+"""Largest number of systems within each other."""
+
+MOST_REFERENCES = 1000
+"""Largest number of references to other SSDs and SSPs in a system."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class _Place:
     path : full name of the system, empty for the root
     values : for this system from the levels above, by name
     dictionaries : signal dictionaries in reach: the name that their ports have as owner, by name
-    depth : number of files on the way here
+    depth : number of systems around
     """
 
     document: Document
@@ -51,7 +54,7 @@ class _Place:
     def below(self, name: str, values: Mapping[str, Parameter], dictionaries: Mapping[str, str]) -> _Place:
         """Return the place of an element of this system, with what the values here say of it."""
         part = {key.removeprefix(f"{name}."): v for key, v in values.items() if key.startswith(f"{name}.")}
-        return replace(self, path=self.full(name), values=part, dictionaries=dictionaries)
+        return replace(self, path=self.full(name), values=part, dictionaries=dictionaries, depth=self.depth + 1)
 
 
 def read_archive(path: Path, variant: str | None) -> System:
@@ -100,6 +103,8 @@ def read_description(file: Path, folder: Path, shown: str) -> System:
 def _read_system(graph: Graph, place: _Place, node: etree._Element) -> None:
     """Add a system and what is in it to the graph."""
     document = place.document
+    if place.depth > DEEPEST:
+        raise document.error(node, f"has {place.depth} systems around it; at most {DEEPEST} are read")
     values = {**bindings(document, node, graph.notices), **place.values}
     dictionaries = {**place.dictionaries, **_read_dictionaries(graph, place, node)}
     connectors = _read_connectors(document, node)
@@ -151,8 +156,9 @@ def _read_component(graph: Graph, place: _Place, node: etree._Element) -> str:
 def _read_referenced(graph: Graph, place: _Place, node: etree._Element) -> None:
     """Add the system of another SSD or SSP that a component refers to."""
     document, source = place.document, node.get("source")
-    if place.depth >= DEEPEST:
-        raise document.error(node, f"is the {DEEPEST}th file in a chain of references; at most that many are read")
+    graph.references += 1
+    if graph.references > MOST_REFERENCES:
+        raise document.error(node, f"the system refers to other files more than {MOST_REFERENCES} times; refused")
     location, _, variant = source.partition("#")
     if not location:
         raise document.error(node, "a reference into the same file is not supported")
@@ -162,7 +168,7 @@ def _read_referenced(graph: Graph, place: _Place, node: etree._Element) -> None:
         package = document.resolve(node, location)
         folder, file, _ = _variant(package, variant or None)
         inner = read_document(file, "Description", folder, f"{package.name}: {file.name}")
-    _read_system(graph, replace(place, document=inner, depth=place.depth + 1), inner.root.find(f"{SSD}System"))
+    _read_system(graph, replace(place, document=inner), inner.root.find(f"{SSD}System"))
     for name, outside in _read_connectors(document, node).items():
         inside = graph.connectors.get(Port(place.path, name))
         if inside is None or (outside.kind, outside.unit or inside.unit) != (inside.kind, inside.unit):

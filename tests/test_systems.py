@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,11 @@ from block_systems import (
     system,
     wire,
 )
+from rich.console import Console
 
 from orchestrator.assembly import assemble
 from orchestrator.errors import InputError
+from orchestrator.inspection import describe, tables
 from orchestrator.system import read_system
 
 
@@ -440,3 +443,22 @@ def test_files_follow_their_own_version(tmp_path: Path, fmu: Path) -> None:
     inside = system(component("m", ONE.replace("ssv:Real", "ssv:Float64")))
     with pytest.raises(InputError, match=r"SystemStructure.ssd, line 2: Element '\{.*\}Float64': This element is not"):
         read_system(archive(tmp_path / "c.ssp", fmu, description(inside)))
+
+
+def test_info_shows_nesting_values_and_changes(tmp_path: Path, fmu: Path) -> None:
+    """As data for programs, and as a tree and tables for people."""
+    change = '<ssc:LinearTransformation factor="-2" offset="1"/>'
+    root = system(component("m1", ONE) + INNER, wire("m1.y", "inner.u", change), bindings=inline({"inner.m2.b": 4.0}))
+    path = archive(tmp_path / "a.ssp", fmu, description(root), {"b.ssd": description(FLAT, "flat")})
+    found = describe(path)
+    assert (found["system"], found["ssp"], found["variants"]) == ("blocks", "1.0", ["blocks", "flat"])
+    first, second = found["components"]
+    assert [(p["name"], p["value"]) for p in second["parameters"]] == [("k", 2.0), ("b", 4.0)]
+    assert first["parameters"][0]["from"].endswith("a.ssp: SystemStructure.ssd, line 2, Parameter 'b'")
+    assert found["connections"] == [{"from": "m1.y", "to": "inner.m2.u", "change": "* -2 + 1"}]
+    screen = Console(width=100, record=True, file=StringIO())
+    for shown in tables(found):
+        screen.print(shown)
+    text = screen.export_text()
+    assert re.search(r"└── inner\n +└── m2  \(block.fmu\)\n +├── k = 2.0\n +└── b = 4.0\n", text)
+    assert [c["name"] for c in describe(Path(f"{path}#flat"))["components"]] == ["m1", "m2"]
