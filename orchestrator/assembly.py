@@ -16,7 +16,8 @@ from .fmu import Fmu, Value, open_fmu
 from .system import Element, System, Wire
 from .system_values import component_values, known, through, variable_unit
 
-_TYPES = {"Float64": "Real", "Int32": "Integer"}
+_INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
 """Types of FMI 3.0 and SSP 2.0 that earlier versions call otherwise."""
 
 

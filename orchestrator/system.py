@@ -37,7 +37,7 @@ class Parameter:
 
     Attributes
     ----------
-    value : as given; the name of an item for an enumeration
+    value : as given; the name of an item for an enumeration; the elements of an array in a text, row by row
     unit : the unit that it is given in; None: the FMU's own
     hops : its way to the FMU's variable, for a value that is mapped or comes through connectors of systems
     origin : file, line and element that give it; None: the user

@@ -45,10 +45,15 @@ def read_settings(document: Document) -> ExperimentSettings:
         If an annotation of ours holds what it should not.
     """
     experiment = document.root.find(f"{SSD}DefaultExperiment")
-    start = 0.0 if experiment is None else float(experiment.get("startTime", 0.0))
-    stop = None if experiment is None or experiment.get("stopTime") is None else float(experiment.get("stopTime"))
-    holders = [document.root] if experiment is None else [experiment, document.root]
+    start, stop = 0.0, None
+    if experiment is not None:
+        start = document.number(experiment, "startTime", 0.0)
+        stop = document.number(experiment, "stopTime", 0.0) if experiment.get("stopTime") is not None else None
+    holders = [node for node in (experiment, document.root, document.root.find(f"{SSD}System")) if node is not None]
     ours = _own(document, holders, "Master", ("stepSize", "algorithm"))
+    for stray in document.root.iter(f"{_OURS}Master"):
+        if stray is not ours:
+            raise document.error(stray, "only one is read, in DefaultExperiment, at the root or in its System")
     step = None if ours is None else ours.get("stepSize")
     node = ours
     for tag, attribute in _STEPS:

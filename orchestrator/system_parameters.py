@@ -9,7 +9,7 @@ from lxml import etree
 
 from .fmu import Value
 from .system import Hop, Parameter
-from .system_xml import SSC, SSD, SSM, SSV, Document, local
+from .system_xml import SSD, SSM, SSV, Document, local
 
 _MIME = "application/x-ssp-"
 
@@ -74,14 +74,16 @@ def _values(document: Document) -> Iterator[tuple[str, Parameter]]:
 
 
 def _parameter(document: Document, node: etree._Element) -> Parameter:
-    """Return the value of one parameter."""
+    """Return the value of one parameter; that of an array as it is written, numbers with blanks between them."""
     typed, kind, text = node[0], local(node[0]), node[0].get("value")
     if kind not in _READERS:
         raise document.error(node, f"type {kind} is not supported")
-    if len(typed) or node.find(f"{SSC}Dimension") is not None or _is_list(kind, text):
-        raise document.error(node, "is an array; not supported")
+    if len(typed):
+        raise document.error(node, f"is an array of type {kind}; not supported")
     if text is None:
         raise document.error(node, "has no value")
+    if _is_list(kind, text):
+        return Parameter(text, document.unit(typed.get("unit")), origin=document.where(node))
     if kind == "Enumeration" and typed.get("name") is not None:
         items = document.enumerations.get(typed.get("name"))
         if items is None:
@@ -116,7 +118,7 @@ def _transformed(parameter: Parameter, document: Document, entry: etree._Element
         if local(change) == "LinearTransformation":
             if not isinstance(parameter.value, float):
                 raise document.error(entry, f"a LinearTransformation of {parameter.value!r}, which is not Real")
-            hop = Hop(None, float(change.get("factor", 1.0)), float(change.get("offset", 0.0)), convert)
+            hop = Hop(None, document.number(change, "factor", 1.0), document.number(change, "offset", 0.0), convert)
             return replace(parameter, hops=(hop,))
         if local(change).endswith("Transformation"):
             return replace(parameter, value=_looked_up(parameter.value, document, entry, change))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from lxml import etree
 
@@ -89,6 +89,9 @@ def read_description(file: Path, folder: Path, shown: str) -> System:
     shown : how messages name the file
     """
     document = read_document(file, "Description", folder, shown)
+    name = PurePath(document.root.get("name").replace("\\", "/"))
+    if name.is_absolute() or ".." in name.parts:
+        raise document.error(document.root, "results could not be called so; refused")
     graph = Graph()
     _read_system(graph, _Place(document, "", {}, {}), document.root.find(f"{SSD}System"))
     elements, wires, outputs = graph.flatten()
@@ -204,7 +207,7 @@ def _read_connection(graph: Graph, place: _Place, node: etree._Element, kinds: M
     factor, offset = 1.0, 0.0
     for change in node:
         if local(change) == "LinearTransformation":
-            factor, offset = float(change.get("factor", 1.0)), float(change.get("offset", 0.0))
+            factor, offset = document.number(change, "factor", 1.0), document.number(change, "offset", 0.0)
         elif local(change).endswith("Transformation"):
             raise document.error(node, f"a {local(change)} of a connection is not supported")
     convert = node.get("suppressUnitConversion", "false") not in ("true", "1")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-
-from fmpy.model_description import ScalarVariable
 
 from .errors import InputError
 from .fmu import Fmu, Value
@@ -57,22 +55,45 @@ def component_values(element: Element, fmu: Fmu) -> Values:
     """
     values: dict[str, Value] = {}
     notices = []
-    for name, parameter in element.parameters.items():
+    declared = {variable.name: variable for variable in fmu.description.modelVariables}
+    for name, parameter in _by_element(element, fmu):
         if name not in fmu.variables and parameter.origin is not None:
             notices.append(f"{parameter.origin}: not applied to {element.name}: {_unknown(name, fmu)}")
             continue
         where = f"parameter {element.name}.{name}"
         where += f" ({parameter.origin})" if parameter.origin else ""
         known(name, fmu, where)
-        variable = fmu.variables[name]
-        if variable.causality not in ("parameter", "input", "structuralParameter") and (
-            variable.initial not in _SETTABLE or variable.variability == "constant"
-        ):
+        variable, told = fmu.variables[name], declared.get(name)
+        settable = told is not None and told.initial in _SETTABLE and told.variability != "constant"
+        if variable.causality not in ("parameter", "input", "structuralParameter") and not settable:
             raise InputError(f"{where}: is no parameter but {variable.causality}")
-        values[name] = _convert(parameter, variable, variable_unit(element, fmu, name, where), where)
-        if isinstance(values[name], int | float):
-            _check_range(float(values[name]), variable, f"{where} = {values[name]:g}")
+        items = {item.name: int(item.value) for item in getattr(getattr(told, "declaredType", None), "items", ())}
+        value = _convert(parameter, variable.type, variable_unit(element, fmu, name, where), items, where)
+        if isinstance(value, int | float):
+            unit = fmu.unit(name)
+            _check_range(float(value), (variable.min, variable.max), unit, f"{where} = {value:g}")
+        values[name] = value
     return Values(values, tuple(notices))
+
+
+def _by_element(element: Element, fmu: Fmu) -> Iterator[tuple[str, Parameter]]:
+    """Yield the values of a component, those of an array element by element, row by row.
+
+    Raises
+    ------
+    InputError
+        If an array is given another number of values than it has elements.
+    """
+    arrays: dict[str, list[str]] = getattr(fmu, "arrays", {})
+    for name, parameter in element.parameters.items():
+        if name not in arrays:
+            yield name, parameter
+            continue
+        parts, names = str(parameter.value).split(), arrays[name]
+        if len(parts) != len(names):
+            raise InputError(f"parameter {element.name}.{name}: wants {len(names)} values, got {len(parts)}")
+        for each, part in zip(names, parts, strict=True):
+            yield each, replace(parameter, value=part)
 
 
 def variable_unit(element: Element, fmu: Fmu, name: str, where: str) -> Unit | str | None:
@@ -117,18 +138,26 @@ def through(hops: Iterable[Hop], start: Unit | str | None, end: Unit | str | Non
     return gain, offset
 
 
-def _check_range(value: float, variable: ScalarVariable, where: str) -> None:
+def _check_range(value: float, limits: tuple[str | None, str | None], unit: str | None, where: str) -> None:
     """Raise InputError if a value is not finite or outside the range that the FMU declares."""
-    low = -math.inf if variable.min is None else float(variable.min)
-    high = math.inf if variable.max is None else float(variable.max)
+    low = -math.inf if limits[0] is None else float(limits[0])
+    high = math.inf if limits[1] is None else float(limits[1])
     if not math.isfinite(value) or not low <= value <= high:
-        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
-        raise InputError(f"{where}: must be in the range {low:g} to {high:g}{unit}")
+        told = f" {unit}" if unit not in (None, "1") else ""
+        raise InputError(f"{where}: must be in the range {low:g} to {high:g}{told}")
 
 
-def _convert(parameter: Parameter, variable: ScalarVariable, unit: Unit | str | None, where: str) -> Value:
-    """Return a value as the type of the variable wants it, after its way."""
-    value, kind = parameter.value, variable.type
+def _convert(parameter: Parameter, kind: str, unit: Unit | str | None, items: dict[str, int], where: str) -> Value:
+    """Return a value as the type of the variable wants it, after its way.
+
+    Parameters
+    ----------
+    parameter : the value as given
+    kind, unit : type and unit of the variable
+    items : of an enumeration, by name
+    where : begins messages
+    """
+    value = parameter.value
     if kind in ("Real", "Float64", "Float32"):
         gain, offset = through(parameter.hops, parameter.unit, unit, where)
         return gain * _number(value, where) + offset
@@ -142,10 +171,8 @@ def _convert(parameter: Parameter, variable: ScalarVariable, unit: Unit | str | 
         if found is None:
             raise InputError(f"{where} = {value}: must be true or false")
         return found
-    if kind == "Enumeration" and isinstance(value, str):
-        items = {item.name: int(item.value) for item in getattr(variable.declaredType, "items", ())}
-        if value in items:
-            return items[value]
+    if kind == "Enumeration" and value in items:
+        return items[str(value)]
     number = _number(value, where)
     if not number.is_integer():
         raise InputError(f"{where} = {value}: must be a whole number")
@@ -154,6 +181,8 @@ def _convert(parameter: Parameter, variable: ScalarVariable, unit: Unit | str | 
 
 def _number(value: Value, where: str) -> float:
     try:
-        return float(value)
+        if not isinstance(value, bool):
+            return float(value)
     except ValueError:
-        raise InputError(f"{where} = {value}: must be a number") from None
+        pass
+    raise InputError(f"{where} = {value}: must be a number")

@@ -61,12 +61,23 @@ class Document:
         """Return a unit as this file defines it, else its name, for a library to know."""
         return None if not name else self.units.get(name, name)
 
+    def number(self, node: etree._Element, attribute: str, default: float) -> float:
+        """Return a finite number that an attribute holds."""
+        value = float(node.get(attribute, default))
+        if not isfinite(value):
+            raise self.error(node, f"{attribute} = {value}: must be a finite number")
+        return value
+
     def resolve(self, node: etree._Element, source: str) -> Path:
         """Return the file that a source attribute names; it must lie in the system's folder."""
         parts = urlsplit(source)
         if parts.scheme or parts.netloc:
             raise self.error(node, f"source {source!r} is not relative; only files beside the system are read")
-        path = (self.path.parent / unquote(parts.path)).resolve()
+        try:
+            path = (self.path.parent / unquote(parts.path)).resolve()
+            path.exists()
+        except (OSError, ValueError):  # too long, or with a zero in it
+            raise self.error(node, "the source is no file name") from None
         if not path.is_relative_to(self.top.resolve()):
             raise self.error(node, f"source {source!r} lies outside the system's folder; refused")
         return path

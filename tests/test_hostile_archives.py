@@ -139,6 +139,8 @@ def test_entities_are_refused_in_every_file(tmp_path: Path, fmu: Path, doctype: 
         ("/etc/passwd", "lies outside the system's folder; refused"),
         ("file:///etc/passwd", "is not relative"),
         ("//host/share.fmu", "is not relative"),
+        ("resources/%00.fmu", "the source is no file name"),
+        (5000 * "a", "the source is no file name"),
     ],
 )
 def test_sources_do_not_leave_the_system(tmp_path: Path, fmu: Path, source: str, message: str) -> None:
@@ -146,6 +148,12 @@ def test_sources_do_not_leave_the_system(tmp_path: Path, fmu: Path, source: str,
     for text in (component("m", source=source), component("m", values)):
         with pytest.raises(InputError, match=message):
             read_system(archive(tmp_path / "a.ssp", fmu, description(system(text))))
+
+
+@pytest.mark.parametrize("name", ["../../x", "/etc/x", "..\\x"])
+def test_names_of_results_do_not_leave_their_folder(tmp_path: Path, fmu: Path, name: str) -> None:
+    with pytest.raises(InputError, match="results could not be called so; refused"):
+        read_system(archive(tmp_path / "a.ssp", fmu, description(system(component("m")), name)))
 
 
 def test_links_beside_an_ssd_do_not_leave_its_folder(tmp_path: Path) -> None:

@@ -320,6 +320,8 @@ def test_settings_of_the_master_are_read(tmp_path: Path, fmu: Path) -> None:
         ('<cs:Master step="1"/>', stage, "line 2, Master: attribute 'step' of the annotation is not known"),
         ("<cs:Master/>", '<cs:Component stage="-3"/>', "line 2, Component: stage = '-3': must be a whole number"),
         ("<cs:Master/>", "<cs:Part/>", "line 2, Part: element 'Part' of the annotation is not known"),
+        ("<cs:Component/>", stage, "line 2, Component: element 'Component' of the annotation is not known"),
+        ("<cs:Master/><cs:Master/>", stage, "line 2: Element"),
     ):
         with pytest.raises(InputError, match=message):
             read_system(archive(tmp_path / "b.ssp", fmu, ssd(bad, place)))
@@ -334,7 +336,6 @@ TWICE = f"<ssd:ParameterMapping>{mapping(('x', 'b', ''), ('y', 'b', ''))}</ssd:P
 WEB = "https://example.org/a.fmu"
 
 REFUSED = {
-    "array parameter": (system(component("m", LIST)), "Parameter 'b': is an array; not supported"),
     "indices": (
         FLAT.replace('startConnector="y"', 'startConnector="y" startIndices="1"'),
         "connection m1.y -> m2.u: startIndices are not supported",
@@ -342,6 +343,10 @@ REFUSED = {
     "array connector": (
         system(ARRAY + component("m2"), PAIR),
         "connection m1.y -> m2.u: m1.y is of type array; not supported",
+    ),
+    "no number": (
+        system(BOTH, wire("m1.y", "m2.u", '<ssc:LinearTransformation factor="NaN"/>')),
+        "LinearTransformation: factor = nan: must be a finite number",
     ),
     "table in a connection": (
         system(BOTH, wire("m1.y", "m2.u", table_of("Boolean", {"true": "false"}))),
@@ -403,6 +408,7 @@ MISFITS = {
     "connection m1.steps -> m2.m: m1.steps is of type Integer; only Real can be connected": (
         system(STEPS + WHOLE, wire("m1.steps", "m2.m"))
     ),
+    "line 2, Parameter 'b') = 1 2 3: must be a number": system(component("m1", LIST)),
     "connector m1.u: is output in the SSD and input in the FMU": (
         system(component("m1", connectors=connector("u", "output")))
     ),
@@ -410,6 +416,7 @@ MISFITS = {
         system(component("m1", connectors=connector("n", "parameter")))
     ),
     "line 2, Parameter 'y'): is no parameter but output": system(component("m1", inline({"y": 1.0}))),
+    "line 2, Parameter 'b') = True: must be a number": system(component("m1", inline({"b": True}))),
     "line 2, Parameter 'n') = 1.5: must be a whole number": system(component("m1", inline({"n": 1.5}))),
     "connection m1.y -> m2.u: the units do not match: m cannot become N": (
         system(component("m1", units=("", "m")) + component("m2", units=("N", "")), PAIR)
