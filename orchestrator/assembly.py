@@ -6,7 +6,7 @@ Everything that can be wrong with a system before the first call is found here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fmus.interface import DIRECTIONS, PAIRS, STRUCTURES
 
@@ -99,7 +99,7 @@ def assemble(system: System) -> Assembly:
     fmus = {name: open_fmu(element.source) for name, element in system.elements.items()}
     for name, element in system.elements.items():
         _check_connectors(element, fmus[name])
-    links = tuple(_link(wire, system, fmus) for wire in system.wires)
+    links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
     _check_inputs(links)
     values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
     parameters = {name: v.values for name, v in values.items()}
@@ -126,6 +126,21 @@ def _check_connectors(element: Element, fmu: Fmu) -> None:
             raise InputError(
                 f"connector {element.name}.{name}: is {connector.type} in the SSD and {variable.type} in the FMU"
             )
+
+
+def _by_element(wire: Wire, fmus: Mapping[str, Fmu]) -> Iterable[Wire]:
+    """Return the connections of the elements of two arrays of one shape, or the connection itself."""
+    start, end = (
+        getattr(fmus[element], "arrays", {}).get(connector, ())
+        for element, connector in (
+            (wire.start_element, wire.start_connector),
+            (wire.end_element, wire.end_connector),
+        )
+    )
+    if [n.removeprefix(wire.start_connector) for n in start] != [n.removeprefix(wire.end_connector) for n in end]:
+        raise InputError(f"connection {wire}: {len(start)} elements on {len(end)}; arrays of one shape are wanted")
+    pairs = zip(start, end, strict=True)
+    return [replace(wire, start_connector=s, end_connector=e) for s, e in pairs] or [wire]
 
 
 def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:

@@ -185,11 +185,10 @@ def _read_connectors(document: Document, node: etree._Element) -> dict[str, Conn
         name = connector.get("name")
         if name in found:
             raise document.error(connector, f"{node.get('name')!r} has two connectors of this name")
-        kind = "array" if connector.find(f"{SSC}Dimension") is not None else None
         typed = next((child for child in connector if child.tag.startswith(SSC) and local(child) != "Dimension"), None)
         found[name] = Connector(
             connector.get("kind"),
-            kind or (None if typed is None else local(typed)),
+            None if typed is None else local(typed),
             None if typed is None else document.unit(typed.get("unit")),
         )
     return found
@@ -218,20 +217,28 @@ def _read_connection(graph: Graph, place: _Place, node: etree._Element, kinds: M
 def _read_end(
     graph: Graph, place: _Place, node: etree._Element, end: str, kinds: Mapping[str, str]
 ) -> tuple[Port, bool | None]:
-    """Return a connector at an end of a connection, and whether it gives values; None: both or unknown."""
+    """Return a connector at an end of a connection, and whether it gives values; None: both or unknown.
+
+    An element of a component's array has its indices in its name, counted from 1, as the FMU's variables have them.
+    """
     document, element, name = place.document, node.get(f"{end}Element"), node.get(f"{end}Connector")
-    if node.get(f"{end}Indices") is not None:
-        raise document.error(node, f"{end}Indices are not supported")
     if element is not None and element not in kinds:
         raise document.error(node, f"names the component {element!r}; there are {listing(kinds)}")
     port = Port(place.path if element is None else place.full(element), name)
     connector = graph.connectors.get(port)
-    if connector is None:
-        if element is None or kinds[element] != "Component":
-            owner = "this system" if element is None else f"{kinds[element]} {element!r}"
+    indices = node.get(f"{end}Indices")
+    if element is None or kinds[element] != "Component":
+        owner = "this system" if element is None else f"{kinds[element]} {element!r}"
+        if connector is None:
             raise document.error(node, f"{owner} has no connector {name!r}")
+        if indices is not None:
+            raise document.error(node, f"{end}Indices at a connector of {owner} are not supported")
+    if indices is not None:
+        port = Port(port.owner, f"{name}[{','.join(indices.split())}]")
+        graph.connectors[port] = connector or Connector()
+    if connector is None:
         return port, None
-    if connector.type in ("array", "Clock", "Binary"):
+    if connector.type in ("Clock", "Binary"):
         raise document.error(node, f"{port} is of type {connector.type}; not supported")
     gives, takes = connector.kind in SOURCES, connector.kind in TARGETS
     if not gives and not takes:

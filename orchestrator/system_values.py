@@ -97,8 +97,9 @@ def _by_element(element: Element, fmu: Fmu) -> Iterator[tuple[str, Parameter]]:
 
 
 def variable_unit(element: Element, fmu: Fmu, name: str, where: str) -> Unit | str | None:
-    """Return the unit of a variable; what SSD and FMU say must agree."""
-    own, told = own_unit(fmu, name), element.connectors[name].unit if name in element.connectors else None
+    """Return the unit of a variable, an element of an array too; what SSD and FMU say must agree."""
+    connector = element.connectors.get(name) or element.connectors.get(name.partition("[")[0])
+    own, told = own_unit(fmu, name), connector.unit if connector is not None else None
     if own and told:
         factor, offset = conversion(told, own, f"{where}: {element.name}.{name}, SSD against FMU")
         if (factor, offset) != (1.0, 0.0):

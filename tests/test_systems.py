@@ -234,6 +234,20 @@ def test_ends_of_a_connection_do_not_tell_its_direction(tmp_path: Path, fmu: Pat
     assert outputs(tmp_path, fmu, description(root)) == EXPECTED
 
 
+def test_elements_of_arrays_have_their_indices_in_their_names(tmp_path: Path, fmu: Path) -> None:
+    """As the variables of FMI 3.0 FMUs are called here, element by element."""
+    matrix = connector("y", "output", content='<ssc:Real unit="m"/><ssc:Dimension size="2"/><ssc:Dimension size="3"/>')
+    root = system(
+        component("m1", connectors=matrix) + component("m2", units=("mm", "")),
+        wire("m1.y", "m2.u", more=' startIndices="2 3"'),
+    )
+    found = read_system(archive(tmp_path / "a.ssp", fmu, description(root, version="2.0")))
+    assert [str(link) for link in found.wires] == ["m1.y[2,3] -> m2.u"]
+    assert found.elements["m1"].connectors["y"].type == "Real"
+    with pytest.raises(InputError, match=r"m1.y\[2,3\] -> m2.u: block.fmu has no variable 'y\[2,3\]'"):
+        assemble(found)
+
+
 def test_signal_dictionary_joins_systems_of_two_levels(tmp_path: Path, fmu: Path) -> None:
     """m1 puts its output on the bus, in mm; a block in a system inside takes it off, in m."""
     signals = '<ssb:DictionaryEntry name="way"><ssc:Real unit="mm"/></ssb:DictionaryEntry>'
@@ -331,18 +345,18 @@ NESTED = system(component("m1") + INNER, wire("m1.y", "inner.v"))
 BOTH = component("m1") + component("m2")
 LOOP = system("", wire("u", "y"), connector("u", "input") + connector("y", "output"), name="loop")
 LIST = ONE.replace('version="1.0"', 'version="2.0"').replace('value="3.0"', 'value="1 2 3"')
-ARRAY = component("m1", connectors=connector("y", "output", content='<ssc:Real/><ssc:Dimension size="3"/>'))
+CLOCK = component("m1", connectors=connector("y", "output", content="<ssc:Clock/>"))
 TWICE = f"<ssd:ParameterMapping>{mapping(('x', 'b', ''), ('y', 'b', ''))}</ssd:ParameterMapping>"
 WEB = "https://example.org/a.fmu"
 
 REFUSED = {
-    "indices": (
-        FLAT.replace('startConnector="y"', 'startConnector="y" startIndices="1"'),
-        "connection m1.y -> m2.u: startIndices are not supported",
+    "element of a system's array": (
+        system(component("m1") + INNER, wire("m1.y", "inner.u", more=' endIndices="1 2"')),
+        "connection m1.y -> inner.u: endIndices at a connector of System 'inner' are not supported",
     ),
-    "array connector": (
-        system(ARRAY + component("m2"), PAIR),
-        "connection m1.y -> m2.u: m1.y is of type array; not supported",
+    "clock": (
+        system(CLOCK + component("m2"), PAIR),
+        "connection m1.y -> m2.u: m1.y is of type Clock; not supported",
     ),
     "no number": (
         system(BOTH, wire("m1.y", "m2.u", '<ssc:LinearTransformation factor="NaN"/>')),
