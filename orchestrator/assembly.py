@@ -14,7 +14,7 @@ from .algorithms import Coupling
 from .errors import InputError
 from .fmu import Fmu, Value, open_fmu
 from .system import Element, System, Wire
-from .system_values import component_values, known, through, variable_unit
+from .system_values import component_values, elements_of, known, through, variable_unit
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -130,17 +130,14 @@ def _check_connectors(element: Element, fmu: Fmu) -> None:
 
 def _by_element(wire: Wire, fmus: Mapping[str, Fmu]) -> Iterable[Wire]:
     """Return the connections of the elements of two arrays of one shape, or the connection itself."""
-    start, end = (
-        getattr(fmus[element], "arrays", {}).get(connector, ())
-        for element, connector in (
-            (wire.start_element, wire.start_connector),
-            (wire.end_element, wire.end_connector),
-        )
-    )
+    start = elements_of(wire.start_connector, fmus[wire.start_element])
+    end = elements_of(wire.end_connector, fmus[wire.end_element])
+    if not start or not end:
+        return [wire]
     if [n.removeprefix(wire.start_connector) for n in start] != [n.removeprefix(wire.end_connector) for n in end]:
-        raise InputError(f"connection {wire}: {len(start)} elements on {len(end)}; arrays of one shape are wanted")
+        raise InputError(f"connection {wire}: {start[0]} to {start[-1]} on {end[0]} to {end[-1]}; shapes must agree")
     pairs = zip(start, end, strict=True)
-    return [replace(wire, start_connector=s, end_connector=e) for s, e in pairs] or [wire]
+    return [replace(wire, start_connector=s, end_connector=e) for s, e in pairs]
 
 
 def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:

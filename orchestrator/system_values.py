@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
+import numpy as np
+
 from .errors import InputError
 from .fmu import Fmu, Value
 from .system import Element, Hop, Parameter
@@ -37,9 +39,18 @@ def known(name: str, fmu: Fmu, where: str) -> None:
 
 
 def _unknown(name: str, fmu: Fmu) -> str:
+    array = elements_of(name, fmu)
+    if array:
+        return f"{name} is an array; name an element, {array[0]} to {array[-1]}"
     close = get_close_matches(name, fmu.variables, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     return f"{fmu.path.name} has no variable {name!r}{hint}"
+
+
+def elements_of(name: str, fmu: Fmu) -> list[str]:
+    """Return the names of an array's elements, row by row; none for another variable."""
+    arrays: dict[str, list[str]] = getattr(fmu, "arrays", {})
+    return arrays.get(name, [])
 
 
 def component_values(element: Element, fmu: Fmu) -> Values:
@@ -77,19 +88,19 @@ def component_values(element: Element, fmu: Fmu) -> Values:
 
 
 def _by_element(element: Element, fmu: Fmu) -> Iterator[tuple[str, Parameter]]:
-    """Yield the values of a component, those of an array element by element, row by row.
+    """Yield the values of a component, arrays by element, row by row: numbers in a text or an array-like.
 
     Raises
     ------
     InputError
         If an array is given another number of values than it has elements.
     """
-    arrays: dict[str, list[str]] = getattr(fmu, "arrays", {})
     for name, parameter in element.parameters.items():
-        if name not in arrays:
+        value, names = parameter.value, elements_of(name, fmu)
+        if not names:
             yield name, parameter
             continue
-        parts, names = str(parameter.value).split(), arrays[name]
+        parts = value.split() if isinstance(value, str) else np.ravel(value).tolist()
         if len(parts) != len(names):
             raise InputError(f"parameter {element.name}.{name}: wants {len(names)} values, got {len(parts)}")
         for each, part in zip(names, parts, strict=True):

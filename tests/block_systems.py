@@ -148,7 +148,7 @@ def archive(path: Path, fmu: Path, ssd: str, files: Mapping[str, str | bytes] | 
 
 
 class Run(NamedTuple):
-    """What a run of a system left: its assembly and the last outputs by name."""
+    """What a run of a system left: its assembly and the last real outputs by name."""
 
     assembly: Assembly
     outputs: dict[str, float]
@@ -159,5 +159,5 @@ def simulate(path: Path, steps: int = 12, variant: str | None = None, algorithm:
     assembly = assemble(read_system(path, variant))
     with Master(assembly, Settings(1e-3, steps * 1e-3, algorithm)) as master:
         master.run()
-        names = [f"{element}.{variable}" for element, variable in master.outputs]
-        return Run(assembly, dict(zip(names, np.asarray(master.plan.y).tolist(), strict=True)))
+        outputs = zip(master.outputs, np.asarray(master.plan.y).tolist(), strict=True)
+        return Run(assembly, {f"{element}.{name}": y for (element, name), y in outputs if name == "y"})
