@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
@@ -26,6 +27,7 @@ from rich.console import Console
 from orchestrator.assembly import assemble
 from orchestrator.errors import InputError
 from orchestrator.inspection import describe, tables
+from orchestrator.stability_inputs import system_inputs
 from orchestrator.system import read_system
 
 
@@ -479,3 +481,19 @@ def test_info_shows_nesting_values_and_changes(tmp_path: Path, fmu: Path) -> Non
     text = screen.export_text()
     assert re.search(r"└── inner\n +└── m2  \(block.fmu\)\n +├── k = 2.0\n +└── b = 4.0\n", text)
     assert [c["name"] for c in describe(Path(f"{path}#flat"))["components"]] == ["m1", "m2"]
+
+
+def test_stability_takes_values_in_the_fmus_units(tmp_path: Path, built: Path) -> None:
+    """A contact stiffness in kN/mm is the same contact as one in N/m."""
+    folder = tmp_path / "system"
+    with zipfile.ZipFile(built / "curvesqueal.ssp") as packed:
+        packed.extractall(folder)
+    values = folder / "resources" / "contact-case1.ssv"
+    text, stiffnesses = values.read_text(), []
+    for value, unit in ((1.5e9, "N/m"), (1.5e3, "kN/mm")):
+        more = f'<ssv:Parameter name="hertz_stiffness"><ssv:Real value="{value}" unit="{unit}"/></ssv:Parameter>'
+        values.write_text(text.replace("</ssv:Parameters>", f"{more}</ssv:Parameters>"))
+        _, contact = system_inputs(str(folder / "SystemStructure.ssd"), "class158", "rigid")
+        stiffnesses.append(contact.stiffness)
+    assert stiffnesses[0] == pytest.approx(1.5e9, rel=1e-6)  # a difference quotient
+    assert stiffnesses[1] == pytest.approx(stiffnesses[0], rel=1e-9)
