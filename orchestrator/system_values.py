@@ -185,6 +185,8 @@ def _convert(parameter: Parameter, kind: str, unit: Unit | str | None, items: di
         return found
     if kind == "Enumeration" and value in items:
         return items[str(value)]
+    if kind == "Enumeration" and isinstance(value, str) and not value.lstrip("+-").isdecimal():
+        raise InputError(f"{where} = {value}: must be one of {', '.join(items)}")
     number = _number(value, where)
     if not number.is_integer():
         raise InputError(f"{where} = {value}: must be a whole number")

@@ -497,3 +497,36 @@ def test_stability_takes_values_in_the_fmus_units(tmp_path: Path, built: Path) -
         stiffnesses.append(contact.stiffness)
     assert stiffnesses[0] == pytest.approx(1.5e9, rel=1e-6)  # a difference quotient
     assert stiffnesses[1] == pytest.approx(stiffnesses[0], rel=1e-9)
+
+
+def test_enumerations_and_units_of_the_fmu_count(tmp_path: Path, fmu: Path) -> None:
+    """A block whose n is of the FMU's own enumeration and whose b is in a unit that only the FMU defines."""
+    with zipfile.ZipFile(fmu) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    types = (
+        '<UnitDefinitions><Unit name="ell"><BaseUnit m="1" factor="0.5"/></Unit></UnitDefinitions><TypeDefinitions>'
+        '<SimpleType name="Gear"><Enumeration><Item name="slow" value="1"/><Item name="fast" value="3"/></Enumeration>'
+        "</SimpleType></TypeDefinitions><LogCategories>"
+    )
+    text = content["modelDescription.xml"].decode().replace("<LogCategories>", types)
+    text = re.sub(r'(name="n".*?)<Integer', r'\1<Enumeration declaredType="Gear"', text, flags=re.DOTALL)
+    text = re.sub(r'(name="b".*?)<Real', r'\1<Real unit="ell"', text, flags=re.DOTALL)
+    with zipfile.ZipFile(tmp_path / "geared.fmu", "w") as packed:
+        for name, data in {**content, "modelDescription.xml": text.encode()}.items():
+            packed.writestr(name, data)
+
+    def ssd(item: str) -> str:
+        items = '<ssc:Item name="slow" value="0"/><ssc:Item name="fast" value="1"/>'
+        kind = f'<ssv:Enumerations><ssc:Enumeration name="G">{items}</ssc:Enumeration></ssv:Enumerations>'
+        values = inline({"b": 1.0, "n": 1}, "mm").replace("</ssv:Parameters>", f"</ssv:Parameters>{kind}")
+        values = values.replace('<ssv:Integer value="1"', f'<ssv:Enumeration name="G" value="{item}"')
+        return description(system(component("m", values)))
+
+    run = simulate(archive(tmp_path / "a.ssp", tmp_path / "geared.fmu", ssd("fast")))
+    assert run.assembly.parameters["m"] == pytest.approx({"b": 2e-3, "n": 3}, rel=1e-15)
+    assert run.outputs == pytest.approx({"m.y": 6e-3}, rel=1e-15)
+    with pytest.raises(InputError, match=r"Parameter 'n': 'reverse' is no item of 'G'; it has slow, fast"):
+        read_system(archive(tmp_path / "b.ssp", tmp_path / "geared.fmu", ssd("reverse")))
+    given = read_system(tmp_path / "a.ssp").with_parameters({"m": {"n": "reverse"}})
+    with pytest.raises(InputError, match=r"parameter m.n = reverse: must be one of slow, fast"):
+        assemble(given)
