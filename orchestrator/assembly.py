@@ -82,11 +82,20 @@ class Assembly:
         )
 
 
-def assemble(system: System) -> Assembly:
-    """Open the FMUs of a system and check everything against them.
+def open_fmus(system: System) -> dict[str, Fmu]:
+    """Return the FMUs of a system by component."""
+    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+
+
+def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
+    """Check everything in a system against its FMUs.
 
     An input that nothing feeds keeps its start value, as SSP and FMI have it; a notice says so unless the system or the
     user gives the value.
+
+    Parameters
+    ----------
+    fmus : the FMUs of the system, if they are open already
 
     Raises
     ------
@@ -96,7 +105,7 @@ def assemble(system: System) -> Assembly:
     """
     if not system.elements:
         raise InputError(f"{system.path}: the system has no components")
-    fmus = {name: open_fmu(element.source) for name, element in system.elements.items()}
+    fmus = open_fmus(system) if fmus is None else fmus
     for name, element in system.elements.items():
         _check_connectors(element, fmus[name])
     links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
