@@ -22,6 +22,7 @@ from . import master, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
 from .errors import InputError, SimulationError
+from .export_commands import export
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .stability_commands import stability, table4
@@ -223,6 +224,7 @@ def friction(
 app.add_typer(rail_app, name="rail")
 app.add_typer(wheel_app, name="wheel")
 app.command()(check)
+app.command()(export)
 app.command()(stability)
 app.command()(table4)
 

@@ -71,7 +71,7 @@ class Scenario:
 def find_system(text: str) -> System:
     """Return the system of a case name or a file."""
     path = Path(text)
-    if path.suffix in (".ssp", ".ssd"):
+    if path.suffix in (".ssp", ".ssd") or ".ssp#" in path.name:
         return read_system(path)
     names = [case.name for case in read_cases()]
     if text not in names:

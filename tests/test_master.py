@@ -327,12 +327,14 @@ def test_bad_descriptions_are_one_sentence(tmp_path: Path, built: Path, old: str
         assemble(read_system(system))
 
 
-def test_unconnected_input_is_refused(tmp_path: Path, built: Path) -> None:
+def test_unconnected_input_is_told(tmp_path: Path, built: Path) -> None:
     source = (Path(__file__).parents[1] / "ssp" / "SystemStructure.ssd").read_text()
     lines = [line for line in source.splitlines() if 'endConnector="wheel_v_lat"' not in line]
     system = unpack_beside(built, tmp_path / "system", "\n".join(lines))
-    with pytest.raises(InputError, match=r"input contact.wheel_v_lat of contact.fmu is connected to nothing"):
-        assemble(read_system(system))
+    said = "input contact.wheel_v_lat of contact.fmu is connected to nothing; it stays at 0.0"
+    assert assemble(read_system(system)).notices == (said,)
+    given = read_system(system).with_parameters({"contact": {"wheel_v_lat": 0.0}})
+    assert not assemble(given).notices
 
 
 def test_xml_entities_are_not_expanded(tmp_path: Path, built: Path) -> None:
