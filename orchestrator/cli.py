@@ -21,6 +21,7 @@ from fmus.interface import DIRECTIONS
 from . import master, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
+from .coupling_commands import coupling
 from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
@@ -155,6 +156,7 @@ def _show(outcome: running.Outcome) -> None:
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
         "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        "spurious growth": outcome.spurious.sentence,
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
         "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
         "results": str(outcome.results),
@@ -208,6 +210,7 @@ def friction(
 app.add_typer(rail_app, name="rail")
 app.add_typer(wheel_app, name="wheel")
 app.command()(check)
+app.command()(coupling)
 app.command()(stability)
 app.command()(table4)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import loop
-from .algorithms import stages
+from .algorithms import find_algorithm, stages
 from .assembly import Assembly
 from .errors import InputError, SimulationError
 from .fmu import STATUS, FmuInstance, Value
@@ -47,6 +47,7 @@ class Settings:
             raise InputError(f"step = {self.step:g} s: must be > 0")
         if not self.step <= self.duration < np.inf:
             raise InputError(f"duration = {self.duration:g} s: must be at least one step of {self.step:g} s")
+        find_algorithm(self.algorithm)
         if self.record_every < 1:
             raise InputError(f"record_every = {self.record_every}: must be >= 1")
 

@@ -14,6 +14,7 @@ from types import FrameType
 
 from .analysis import Summary, summarise
 from .assembly import Assembly
+from .coupling import modal_system
 from .errors import InputError, SimulationError
 from .master import Master, Progress, Settings
 from .results import ResultsFile, open_results, write_csv
@@ -32,6 +33,7 @@ class Outcome:
     settings, progress, summary : how it was run, how far it came, what came out
     results : the results file
     picture : the picture of histories and spectra
+    spurious : what the algorithm does to the growth rates
     error : why it ended early; None if it did not
     """
 
@@ -41,7 +43,22 @@ class Outcome:
     summary: Summary
     results: Path
     picture: Path
+    spurious: Spurious
     error: str | None
+
+
+@dataclass(frozen=True)
+class Spurious:
+    """Growth that the coupling adds.
+
+    Attributes
+    ----------
+    largest : largest error of a growth rate below 5 kHz [1/s]; None if it is not known
+    sentence : the figures, or why there are none
+    """
+
+    largest: float | None
+    sentence: str
 
 
 def run_scenario(
@@ -61,6 +78,7 @@ def run_scenario(
         If a component fails before anything was recorded.
     """
     assembly, settings = scenario.prepare()
+    spurious = spurious_growth(assembly, settings)
     if settings.algorithm == "jacobi":
         notice("jacobi delays the contact force by a step and can invent squeal; staggered does not")
     with Master(assembly, settings) as master, stop_on_signals() as stop_requested:
@@ -80,10 +98,20 @@ def run_scenario(
             error = str(failure)
         except OSError as failure:
             raise InputError(f"{path}: cannot write results: {failure.strerror or failure}") from None
-    return _finish(path, settings, progress, error, csv)
+    summary, picture, case = _finish(path, error, csv)
+    return Outcome(case, settings, progress, summary, path, picture, spurious, error)
 
 
-def _finish(path: Path, settings: Settings, progress: Progress, error: str | None, csv: bool) -> Outcome:
+def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
+    """Return what the algorithm does to the growth rates of the linearised system, or why that is not known."""
+    try:
+        growth = modal_system(assembly).at(settings.step, settings.algorithm)
+    except InputError as reason:
+        return Spurious(None, f"not known: {reason}")
+    return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step))
+
+
+def _finish(path: Path, error: str | None, csv: bool) -> tuple[Summary, Path, str]:
     """Summarise and draw what was recorded."""
     with open_results(path) as data:
         if data.sizes["time"] < 3:
@@ -95,7 +123,7 @@ def _finish(path: Path, settings: Settings, progress: Progress, error: str | Non
         draw_run(data, picture)
         if csv:
             write_csv(data, path.with_suffix(".csv"))
-        return Outcome(str(data.attrs["case"]), settings, progress, summary, path, picture, error)
+        return summary, picture, str(data.attrs["case"])
 
 
 def _free_path(folder: Path, name: str) -> Path:
@@ -172,6 +200,8 @@ def as_json(outcome: Outcome) -> str:
         "contact_lost": s.contact_lost,
         "energy_residual": outcome.progress.energy_residual,
         "energy_into_structures": outcome.progress.energy_into_structures,
+        "max_growth_rate_error": outcome.spurious.largest,
+        "spurious_growth": outcome.spurious.sentence,
         "completed": outcome.error is None and not outcome.progress.stopped,
         "error": outcome.error,
         "results": str(outcome.results),
