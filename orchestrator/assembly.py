@@ -6,24 +6,30 @@ Everything that can be wrong with a system before the first call is found here.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from fmpy.model_description import ScalarVariable
+import numpy as np
 
 from fmus.interface import DIRECTIONS, PAIRS, STRUCTURES
 
 from .algorithms import Coupling
 from .errors import InputError
-from .fmu import Fmu, Value, open_fmu
+from .fmu import Fmu, Value, Variable, open_fmu
 from .system import Element, Parameter, System, Wire
 from .units import conversion
+
+CONNECTABLE = {
+    *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
+    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"),
+}  # fmt: skip
+"""Types of an output and of the input that it may feed."""
 
 
 @dataclass(frozen=True)
 class Link:
-    """A checked connection of two real variables: end = gain * start + offset in the units of the FMUs."""
+    """A checked connection of two variables: end = gain * start + offset in the units of the FMUs."""
 
     wire: Wire
     gain: float
@@ -68,7 +74,7 @@ class Assembly:
     contact: str | None
 
     def coupling(self) -> Coupling:
-        """Return what the master algorithms need to know."""
+        """Return what the master algorithms need to know of the order of stepping."""
         feeds: dict[str, set[str]] = {name: set() for name in self.fmus}
         for link in self.links:
             feeds[link.wire.end_element].add(link.wire.start_element)
@@ -101,6 +107,9 @@ def assemble(system: System) -> Assembly:
 def _known(name: str, fmu: Fmu, where: str) -> None:
     """Raise InputError unless the FMU has a variable of this name."""
     if name not in fmu.variables:
+        if name in fmu.arrays:
+            elements = fmu.arrays[name]
+            raise InputError(f"{where}: {name} is an array; name an element, {elements[0]} to {elements[-1]}")
         close = get_close_matches(name, fmu.variables, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
         raise InputError(f"{where}: {fmu.path.name} has no variable {name!r}{hint}")
@@ -112,15 +121,14 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     ends = ((wire.start_element, wire.start_connector), (wire.end_element, wire.end_connector))
     for element, connector in ends:
         _known(connector, fmus[element], where)
-        kind = fmus[element].variables[connector].type
-        if kind != "Real":
-            raise InputError(f"{where}: {element}.{connector} is of type {kind}; only Real can be connected")
     start = fmus[wire.start_element].variables[wire.start_connector]
     end = fmus[wire.end_element].variables[wire.end_connector]
     if start.causality not in ("output", "calculatedParameter", "parameter"):
         raise InputError(f"{where}: {wire.start_element}.{wire.start_connector} is no output but {start.causality}")
     if end.causality != "input":
         raise InputError(f"{where}: {wire.end_element}.{wire.end_connector} is no input but {end.causality}")
+    if (start.type, end.type) not in CONNECTABLE:
+        raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
     units = [_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
     factor, shift = conversion(units[0], units[1], where)
     return Link(wire, wire.factor * factor, wire.factor * shift + wire.offset)
@@ -153,7 +161,7 @@ def _check_inputs(links: tuple[Link, ...], fmus: Mapping[str, Fmu]) -> None:
 def _parameters(element: Element, fmu: Fmu) -> dict[str, Value]:
     """Return the parameter values of a component, checked and in the FMU's units."""
     values: dict[str, Value] = {}
-    for name, parameter in element.parameters.items():
+    for name, parameter in _by_element(element, fmu):
         where = f"parameter {element.name}.{name}"
         _known(name, fmu, where)
         variable = fmu.variables[name]
@@ -166,7 +174,22 @@ def _parameters(element: Element, fmu: Fmu) -> dict[str, Value]:
     return values
 
 
-def _check_range(value: float, variable: ScalarVariable, where: str) -> None:
+def _by_element(element: Element, fmu: Fmu) -> Iterator[tuple[str, Parameter]]:
+    """Yield the parameters of a component, arrays by element; an array's value is a list or numbers in a text."""
+    for name, parameter in element.parameters.items():
+        if name not in fmu.arrays:
+            yield name, parameter
+            continue
+        values = parameter.value
+        parts = values.split() if isinstance(values, str) else list(np.ravel(values))
+        names = fmu.arrays[name]
+        if len(parts) != len(names):
+            raise InputError(f"parameter {element.name}.{name}: wants {len(names)} values, got {len(parts)}")
+        for each, part in zip(names, parts, strict=True):
+            yield each, Parameter(part, parameter.unit)
+
+
+def _check_range(value: float, variable: Variable, where: str) -> None:
     """Raise InputError if a value is not finite or outside the range that the FMU declares."""
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
