@@ -84,8 +84,17 @@ class Assembly:
         )
 
 
-def assemble(system: System) -> Assembly:
-    """Open the FMUs of a system and check everything against them.
+def open_fmus(system: System) -> dict[str, Fmu]:
+    """Return the FMUs of a system by component."""
+    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+
+
+def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
+    """Check everything in a system against its FMUs.
+
+    Parameters
+    ----------
+    fmus : the FMUs of the system, if they are open already
 
     Raises
     ------
@@ -95,7 +104,7 @@ def assemble(system: System) -> Assembly:
     """
     if not system.elements:
         raise InputError(f"{system.path}: the system has no components")
-    fmus = {name: open_fmu(element.source) for name, element in system.elements.items()}
+    fmus = open_fmus(system) if fmus is None else fmus
     links = tuple(_link(wire, system, fmus) for wire in system.wires)
     _check_inputs(links, fmus)
     parameters = {name: _parameters(element, fmus[name]) for name, element in system.elements.items()}

@@ -201,21 +201,15 @@ class Master:
 
     def _bring_inputs(self, name: str) -> None:
         """Set the inputs of a component from the latest outputs."""
-        plan = self.plan
-        links = self.wiring.links_to(name)
-        if links:
-            first = self.wiring.links.index(links[0])
-            part = slice(first, first + len(links))
-            plan.u[part] = plan.gain[part] * plan.y[plan.source[part]] + plan.offset[part]
-            values = zip(links, plan.u[part], strict=True)
-            self.instances[name].set({link.wire.end_connector: float(value) for link, value in values})
+        plan, part = self.plan, self.wiring.inputs_of(name)
+        plan.u[part] = plan.gain[part] * plan.y[plan.source[part]] + plan.offset[part]
+        variables = [each.key[1] for each in self.wiring.inputs[part]]
+        self.instances[name].set(dict(zip(variables, plan.u[part].tolist(), strict=True)))
 
     def _fetch_outputs(self, name: str) -> None:
         """Read the outputs of a component."""
-        variables = self.wiring.outputs_of(name)
-        if variables:
-            first = self.outputs.index((name, variables[0]))
-            self.plan.y[first : first + len(variables)] = self.instances[name].get_real(variables)
+        part = self.wiring.outputs_of(name)
+        self.plan.y[part] = self.instances[name].get_real([variable for _, variable in self.outputs[part]])
 
     def _free_states(self) -> None:
         """Free the states that an iteration went back to."""
@@ -291,9 +285,9 @@ class Master:
             name, variable = self.outputs[where]
             return f"{name}: output {variable} = {self.plan.y[where]} {at}: not a finite number"
         if what == loop.NOT_CONVERGED:
-            wire = self.wiring.links[where].wire
+            name, variable = self.wiring.inputs[where].key
             return (
-                f"{self.settings.algorithm}: input {wire.end_element}.{wire.end_connector} still changes after "
+                f"{self.settings.algorithm}: input {name}.{variable} still changes after "
                 f"{self.algorithm.sweeps} sweeps {at}; take a smaller step or another algorithm"
             )
         instance = list(self.instances.values())[where]

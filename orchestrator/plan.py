@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from . import loop
 from .algorithms import Algorithm
 from .assembly import Assembly, Link
-from .errors import InputError
 from .fmu import FmuInstance
 from .fmu_file import Fmu
 from .loop_calls import LAYOUTS
@@ -25,52 +24,78 @@ Key = tuple[str, str]
 
 
 @dataclass(frozen=True)
+class Input:
+    """An input that the loop sets: gain times an output plus offset.
+
+    Attributes
+    ----------
+    key : component and variable
+    source : the output that feeds it; None for an element of an array that nothing feeds, whose `gain` is 0
+    """
+
+    key: Key
+    source: Key | None
+    gain: float
+    offset: float
+
+
+@dataclass(frozen=True)
 class Wiring:
     """Which values a system exchanges, in the order of the plan's arrays.
 
     Attributes
     ----------
-    links : connections, by the component that they end at
+    inputs : by component
     outputs : by component
     directions : of the power bonds
     """
 
-    links: tuple[Link, ...]
+    inputs: tuple[Input, ...]
     outputs: tuple[Key, ...]
     directions: tuple[str, ...]
 
     @classmethod
     def of(cls, assembly: Assembly) -> Wiring:
         """Return the wiring of a system; every numeric output is exchanged."""
-        fed = {(k.wire.end_element, k.wire.end_connector): k for k in assembly.links}
-        links, outputs = [], []
+        inputs, outputs = [], []
         for name, fmu in assembly.fmus.items():
-            inputs = call_order(fmu, [variable for variable in fmu.names("input") if (name, variable) in fed])
-            links += [fed[name, variable] for variable in inputs]
+            links = {k.wire.end_connector: k for k in assembly.links if k.wire.end_element == name}
+            for variable in call_order(fmu, links):
+                inputs.append(_input((name, variable), links.get(variable), assembly))
             numeric = [v for v in fmu.names("output") if fmu.variables[v].type in NUMERIC]
             outputs += [(name, variable) for variable in call_order(fmu, numeric)]
-        return cls(tuple(links), tuple(outputs), tuple(dict.fromkeys(b.direction for b in assembly.bonds)))
+        return cls(tuple(inputs), tuple(outputs), tuple(dict.fromkeys(b.direction for b in assembly.bonds)))
 
-    def links_to(self, component: str) -> list[Link]:
-        """Return the connections that end at a component."""
-        return [link for link in self.links if link.wire.end_element == component]
+    def inputs_of(self, component: str) -> slice:
+        """Return where the inputs of a component stand."""
+        return _part([each.key[0] for each in self.inputs], component)
 
-    def outputs_of(self, component: str) -> list[str]:
-        """Return the outputs of a component."""
-        return [variable for name, variable in self.outputs if name == component]
+    def outputs_of(self, component: str) -> slice:
+        """Return where the outputs of a component stand."""
+        return _part([name for name, _ in self.outputs], component)
+
+
+def _part(owners: Sequence[str], component: str) -> slice:
+    """Return where a component's entries stand in a list in which they follow each other."""
+    first = owners.index(component) if component in owners else 0
+    return slice(first, first + owners.count(component))
+
+
+def _input(key: Key, link: Link | None, assembly: Assembly) -> Input:
+    """Return an input as its connection feeds it, or held at its value."""
+    if link is not None:
+        return Input(key, (link.wire.start_element, link.wire.start_connector), link.gain, link.offset)
+    start = assembly.fmus[key[0]].variables[key[1]].start
+    return Input(key, None, 0.0, float(assembly.parameters[key[0]].get(key[1], start or 0.0)))
 
 
 def call_order(fmu: Fmu, names: Iterable[str]) -> list[str]:
-    """Return variables in the order in which calls exchange them: by type, then as given; arrays must be whole."""
-    chosen = list(names)
-    for array, elements in fmu.arrays.items():
-        missing = [e for e in elements if e not in chosen]
-        if missing and len(missing) < len(elements):
-            raise InputError(
-                f"array {array} of {fmu.path.name}: {missing[0]} is missing; all of its elements are wanted"
-            )
-    kinds = list(dict.fromkeys(fmu.variables[name].fmi_type for name in chosen))
-    return sorted(chosen, key=lambda name: kinds.index(fmu.variables[name].fmi_type))
+    """Return variables in the order of the description and by type, as calls exchange them; arrays become whole."""
+    chosen = set(names)
+    arrays = {fmu.variables[name].array for name in chosen}
+    ordered = [v for v in fmu.variables.values() if v.array in arrays]
+    kinds = list(dict.fromkeys(v.fmi_type for v in ordered))
+    return [v.name for v in sorted(ordered, key=lambda v: kinds.index(v.fmi_type))]
 
 
 def make_plan(
@@ -83,8 +108,8 @@ def make_plan(
 ) -> loop.Plan:
     """Resolve names to indices and functions to addresses."""
     names = list(assembly.fmus)
-    links = wiring.links
-    ends = [(k.wire.end_element, k.wire.end_connector) for k in links]
+    inputs = wiring.inputs
+    ends = [each.key for each in inputs]
     place_y = {key: i for i, key in enumerate(wiring.outputs)}
     place_u = {key: i for i, key in enumerate(ends)}
     dependent = assembly.coupling().dependent()
@@ -102,18 +127,18 @@ def make_plan(
         answer=np.zeros((len(names), 2)),
         inputs=_transfers(assembly, instances, ends, "Set"),
         outputs=_transfers(assembly, instances, wiring.outputs, "Get"),
-        u=np.zeros(len(links)),
+        u=np.zeros(len(inputs)),
         y=np.zeros(len(wiring.outputs)),
-        source=_whole([place_y[k.wire.start_element, k.wire.start_connector] for k in links]),
-        gain=np.array([k.gain for k in links]),
-        offset=np.array([k.offset for k in links]),
+        source=_whole([0 if each.source is None else place_y[each.source] for each in inputs]),
+        gain=np.array([each.gain for each in inputs]),
+        offset=np.array([each.offset for each in inputs]),
         share=np.array([algorithm.share if rolling and name not in dependent else 1.0 for name, _ in ends]),
-        u_before=np.zeros(len(links)),
-        u_last=np.zeros(len(links)),
+        u_before=np.zeros(len(inputs)),
+        u_last=np.zeros(len(inputs)),
         u_scale=np.array([[assembly.fmus[e].variables[v].nominal or 0.0, 0.0] for e, v in ends]).reshape(-1, 2),
         sweeps=_whole([algorithm.sweeps, 0, 0, 0]),
         tolerance=np.array([algorithm.tolerance]),
-        scratch=np.zeros(max(len(links), len(wiring.outputs), 1), dtype=np.uint64),
+        scratch=np.zeros(max(len(inputs), len(wiring.outputs), 1), dtype=np.uint64),
         bond_force=_whole([place_u[b.force.wire.end_element, b.force.wire.end_connector] for b in assembly.bonds]),
         bond_velocity=_whole(
             [place_y[b.velocity.wire.start_element, b.velocity.wire.start_connector] for b in assembly.bonds]

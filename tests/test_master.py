@@ -135,7 +135,7 @@ def test_energy_residual_is_the_held_force_against_the_new_one(case1: System, tm
 
 
 def test_random_start_repeats_with_its_seed(assembly: Assembly) -> None:
-    first, again, other = (random_start(assembly, seed) for seed in (1, 1, 2))
+    first, again, other = (random_start(assembly.fmus, seed) for seed in (1, 1, 2))
     assert first == again
     assert first != other
     assert first["contact"] == {"pulse_force": 0.0}
