@@ -11,10 +11,8 @@ from rich.console import Console
 from rich.table import Table
 
 from .command_tools import Json
-from .coupling import TOLERATED, as_json, modal_system
 from .errors import InputError
 from .scenario import Scenario, parse_sources, parse_values
-from .step_map import BELOW_HZ, WEAK
 
 screen = Console()
 
@@ -33,6 +31,9 @@ def coupling(
     Eigenvalues of the linearised step map against those of the coupled system, modes below 5 kHz. A step is safe while
     it makes no stable mode unstable and weakly damped modes are right to 0.5 1/s.
     """
+    from .coupling import TOLERATED, as_json, modal_system  # noqa: PLC0415 - keeps the start of the other commands short
+    from .step_map import BELOW_HZ, WEAK  # noqa: PLC0415
+
     scenario = Scenario(system, step=step, values=parse_values(values or []), sources=parse_sources(replace or []))
     assembly, settings = scenario.prepare()
     try:

@@ -17,6 +17,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.fmi3 import FMU3Slave
 
+from .exit_guard import guard_exit
 from .fmu_file import Fmu, Value
 
 Say = Callable[[str], None]
@@ -93,6 +94,7 @@ class Fmi2(Binding):
             modelIdentifier=fmu.description.coSimulation.modelIdentifier,
             instanceName=name,
         )
+        guard_exit(fmu.folder)
 
     def instantiate(self) -> None:
         """Make the instance."""

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from .analysis import Summary
 from .assembly import Assembly
-from .coupling import modal_system
 from .errors import InputError
 from .master import Progress, Settings
 from .results import open_results
@@ -64,6 +63,8 @@ class Outcome:
 
 def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
     """Return what the algorithm does to the growth rates of the linearised system, or why that is not known."""
+    from .coupling import modal_system  # noqa: PLC0415 - keeps the start of a run short
+
     try:
         growth = modal_system(assembly).at(settings.step, settings.algorithm)
     except InputError as reason:

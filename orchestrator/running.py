@@ -99,7 +99,6 @@ def resume(checkpoint: Path, report: Report, every: float = Keeping.every) -> Ou
 
 def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report, keeping: Keeping | None) -> Outcome:
     """Step to the end, keep checkpoints on the way, and sum up."""
-    spurious = spurious_growth(master.assembly, master.settings)
     error = None
     last = time.monotonic()
 
@@ -119,6 +118,7 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
             error = str(failure)
         except OSError as failure:
             error = f"{results.path}: cannot write results: {failure.strerror or failure}"
+    spurious = spurious_growth(master.assembly, master.settings)
     summary, picture = _finish(results.path, error, report)
     case = master.assembly.system.name
     return Outcome(case, master.settings, master.progress, summary, results.path, picture, spurious, error)
