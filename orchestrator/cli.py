@@ -80,6 +80,8 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
+    timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
     csv: Csv = False,
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
@@ -98,6 +100,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         sources=parse_sources(replace or []),
         seed=seed,
         record_every=record_every,
+        timeout=timeout if isolate else None,
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:

@@ -1,7 +1,7 @@
 """A process that has loaded PythonFMU FMUs ends without their destructors.
 
-All libraries of PythonFMU 0.7.0 in a process share one C++ object, and each destroys it when the process ends: glibc then
-aborts with "corrupted double-linked list", after everything went well.
+All libraries of PythonFMU 0.7.0 in a process share one C++ object, and each destroys it when the process ends: glibc
+then aborts with "corrupted double-linked list", after everything went well.
 """
 
 from __future__ import annotations

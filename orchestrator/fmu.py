@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fmpy.fmi1 import FMICallException
 
 from .errors import SimulationError
-from .fmu_binding import BINDINGS
+from .fmu_binding import BINDINGS, Fmi2, Fmi3
 from .fmu_file import Fmu, Value, Variable, first_line, open_fmu
+
+if TYPE_CHECKING:
+    from .isolation import IsolatedBinding
 
 __all__ = ["STATUS", "Fmu", "FmuInstance", "Value", "Variable", "open_fmu"]
 
@@ -24,22 +27,33 @@ class FmuInstance:
 
     Messages of the FMU are kept and become part of the error when a call fails.
 
+    Parameters
+    ----------
+    timeout : time that a call may take, in a process of the FMU's own [s]; None: in this process, without limit
+
     Attributes
     ----------
     lost : whether a call returned fatal, after which the instance must not be called again
     """
 
-    def __init__(self, fmu: Fmu, name: str) -> None:
+    def __init__(self, fmu: Fmu, name: str, timeout: float | None = None) -> None:
         self.fmu = fmu
         self.name = name
         self.messages: list[str] = []
         self.lost = False
         try:
-            self._binding = BINDINGS[fmu.version](fmu, name, self._say)
+            self._binding = self._bind(timeout)
         except Exception as error:  # FMPy raises bare exceptions for a missing or broken library
             raise SimulationError(f"{name}: {fmu.path}: cannot be loaded here: {first_line(error)}") from None
         with self._calling("instantiate"):
             self._binding.instantiate()
+
+    def _bind(self, timeout: float | None) -> Fmi2 | Fmi3 | IsolatedBinding:
+        if timeout is None:
+            return BINDINGS[self.fmu.version](self.fmu, self.name, self._say)
+        from .isolation import IsolatedBinding  # noqa: PLC0415 - seldom wanted
+
+        return IsolatedBinding(self.fmu, self.name, self._say, timeout)
 
     def _say(self, message: str) -> None:
         self.messages.append(message)
@@ -54,6 +68,9 @@ class FmuInstance:
             status = STATUS[error.status] if 0 <= error.status < len(STATUS) else str(error.status)
             self.lost = status == "fatal"
             raise SimulationError(f"{self.name}: {function} returned {status}{self.last_message()}") from None
+        except SimulationError:  # of a process of its own that is no more
+            self.lost = True
+            raise
         except Exception as error:
             if function != "instantiate":
                 raise
@@ -70,27 +87,33 @@ class FmuInstance:
     def set(self, values: Mapping[str, Value]) -> None:
         """Set variables by name, each by its type; elements of an array that are not given keep their start values."""
         arrays: dict[str, dict[int, Value]] = {}
+        scalars: dict[str, dict[str, Value]] = {}
         for name, value in values.items():
             variable = self.fmu.variables[name]
-            if variable.array != name:
+            if variable.array == name:
+                scalars.setdefault(variable.fmi_type, {})[name] = value
+            else:
                 arrays.setdefault(variable.array, {})[variable.element] = value
-                continue
-            with self._calling(f"setting {name} = {value}"):
-                self._binding.set(variable.fmi_type, [variable.valueReference], [value])
+        for fmi_type, group in scalars.items():
+            self._set_scalars(fmi_type, group)
         for array, given in arrays.items():
             elements = [self.fmu.variables[name] for name in self.fmu.arrays[array]]
             whole = [given.get(v.element, v.start if v.start is not None else 0.0) for v in elements]
             with self._calling(f"setting {array}"):
                 self._binding.set(elements[0].fmi_type, [elements[0].valueReference], whole)
 
-    def set_real(self, names: Sequence[str], values: Sequence[float]) -> None:
-        """Set real variables by name, in one call where none is an element of an array."""
-        variables = [self.fmu.variables[name] for name in names]
-        if len({v.fmi_type for v in variables}) == 1 and all(v.array == v.name for v in variables):
-            with self._calling("setReal"):
-                self._binding.set(variables[0].fmi_type, [v.valueReference for v in variables], values)
-        else:
-            self.set(dict(zip(names, values, strict=True)))
+    def _set_scalars(self, fmi_type: str, values: Mapping[str, Value]) -> None:
+        """Set scalars of one type in one call; if it fails, one by one, so that the error names the one."""
+        references = [self.fmu.variables[name].valueReference for name in values]
+        try:
+            self._binding.set(fmi_type, references, list(values.values()))
+        except FMICallException as error:
+            self.lost = 0 <= error.status < len(STATUS) and STATUS[error.status] == "fatal"
+            if self.lost:
+                raise SimulationError(f"{self.name}: setting values returned fatal{self.last_message()}") from None
+            for name, value in values.items():
+                with self._calling(f"setting {name} = {value}"):
+                    self._binding.set(fmi_type, [self.fmu.variables[name].valueReference], [value])
 
     def get_real(self, names: Sequence[str]) -> list[float]:
         """Return variables by name as floating-point numbers, whatever numeric type they have."""
@@ -168,14 +191,15 @@ class FmuInstance:
     @property
     def handle(self) -> int:
         """The pointer to the instance."""
-        return int(self._binding.slave.component)
+        return self._binding.handle
 
     def close(self) -> None:
         """Terminate and free the instance; after a fatal error FMI allows no further call, so it is left alone."""
         if self.lost:
+            self._binding.abandon()
             return
         try:
             self._binding.terminate()
-        except FMICallException:
+        except (FMICallException, SimulationError):
             self.messages.append("terminate failed")  # the results are there; a component may die as it likes
         self._binding.free()

@@ -53,13 +53,21 @@ class Binding:
         """Free the instance."""
         self.slave.freeInstance()
 
+    def abandon(self) -> None:
+        """Leave an instance alone that must not be called any more."""
+
     def exit_initialization_mode(self) -> None:
         """Leave initialisation mode."""
         self.slave.exitInitializationMode()
 
-    def do_step(self, time: float, step: float) -> None:
-        """Make a communication step."""
-        self.slave.doStep(time, step)
+    def do_step(self, time: float, step: float) -> Any:
+        """Make a communication step; return what FMI 3.0 answers to it."""
+        return self.slave.doStep(time, step)
+
+    @property
+    def handle(self) -> int:
+        """The pointer to the instance."""
+        return int(self.slave.component)
 
     def address(self, what: str) -> int:
         """Return the address of a function, such as 'DoStep' or 'GetReal'."""

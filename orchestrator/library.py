@@ -35,6 +35,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     replace: Mapping[str, str | Path] | None = None,
     seed: int | None = None,
     record_every: int = 4,
+    timeout: float | None = None,
 ) -> Scenario:
     """Return a scenario that can be simulated; everything in it is checked.
 
@@ -48,6 +49,8 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     replace : FMU files by the component whose place they take
     seed : random initial modal velocities instead of the force pulse
     record_every : record after every this many steps
+    timeout : each FMU in a process of its own, and the time that a call may take [s]; a script needs
+        `if __name__ == "__main__":` then
 
     Raises
     ------
@@ -63,6 +66,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
         sources={name: Path(file) for name, file in (replace or {}).items()},
         seed=seed,
         record_every=record_every,
+        timeout=timeout,
     )
     scenario.prepare()
     return scenario

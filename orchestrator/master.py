@@ -37,12 +37,14 @@ class Settings:
     duration : simulated time [s]; rounded to a whole number of steps
     algorithm : name of the master algorithm
     record_every : record after every this many steps
+    timeout : time that a call of an FMU may take, each FMU in a process of its own [s]; None: all in this process
     """
 
     step: float
     duration: float
     algorithm: str = "staggered"
     record_every: int = 4
+    timeout: float | None = None
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -53,6 +55,8 @@ class Settings:
         find_algorithm(self.algorithm)
         if self.record_every < 1:
             raise InputError(f"record_every = {self.record_every}: must be >= 1")
+        if self.timeout is not None and not 0 < self.timeout < np.inf:
+            raise InputError(f"timeout = {self.timeout:g} s: must be > 0")
 
     @property
     def steps(self) -> int:
@@ -129,7 +133,7 @@ class Master:
         with ExitStack() as stack:
             self.instances: dict[str, FmuInstance] = {}
             for name, fmu in assembly.fmus.items():
-                self.instances[name] = FmuInstance(fmu, name)
+                self.instances[name] = FmuInstance(fmu, name, settings.timeout)
                 stack.callback(self.instances[name].close)
             self.plan = make_plan(assembly, self.instances, self.wiring, self.stages, self.algorithm, self.periods)
             stack.callback(self._free_states)
@@ -176,7 +180,7 @@ class Master:
         a, step = self.assembly, self.settings.step
         parameters = {name: with_step(fmu, a.parameters[name], step) for name, fmu in a.fmus.items()}
         if a.contact is not None:
-            parameters[a.contact].update(contact_mobility(a, step))
+            parameters[a.contact].update(contact_mobility(a, step, self.settings.timeout))
         return parameters
 
     def _initialise(self) -> None:

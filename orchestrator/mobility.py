@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +18,14 @@ from .rates import period
 Matrix = NDArray[np.float64]
 
 
-def contact_mobility(assembly: Assembly, step: float) -> dict[str, Value]:
+def contact_mobility(assembly: Assembly, step: float, timeout: float | None = None) -> dict[str, Value]:
     """Return the mobility parameters of the contact: the sum over the structures at its bonds, or nothing.
 
     Parameters
     ----------
     assembly : the system
     step : communication step that the mobilities are for [s]
+    timeout : for scratch instances in processes of their own, see `FmuInstance`
     """
     if assembly.contact is None:
         return {}
@@ -34,8 +36,10 @@ def contact_mobility(assembly: Assembly, step: float) -> dict[str, Value]:
         fmu = assembly.fmus[name]
         own_step = step * period(fmu, step)
         parameters = with_step(fmu, assembly.parameters[name], own_step)
-        published = published_mobility(fmu, parameters) if _as_in_contract(bonds) else None
-        total += probed_mobility(fmu, parameters, bonds, own_step) if published is None else published
+        published = published_mobility(fmu, parameters, timeout) if _as_in_contract(bonds) else None
+        if published is None:
+            published = probed_mobility(fmu, parameters, bonds, own_step, timeout)
+        total += published
     index = {d: i for i, d in enumerate(DIRECTIONS)}
     return {f"mobility_{row}_{column}": float(total[index[row], index[column]]) for row, column in PAIRS}
 
@@ -58,12 +62,12 @@ def with_step(fmu: Fmu, parameters: Mapping[str, Value], step: float) -> dict[st
     return dict(parameters)
 
 
-def published_mobility(fmu: Fmu, parameters: Mapping[str, Value]) -> Matrix | None:
+def published_mobility(fmu: Fmu, parameters: Mapping[str, Value], timeout: float | None = None) -> Matrix | None:
     """Return the 4 x 4 interface mobility that an FMU puts out as calculated parameters; None if it has none."""
     names = [f"y_{row}_{column}" for row, column in PAIRS]
     if not all(name in fmu.variables for name in names):
         return None
-    instance = FmuInstance(fmu, "scratch")
+    instance = FmuInstance(fmu, "scratch", timeout)
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, 1.0)
@@ -76,7 +80,13 @@ def published_mobility(fmu: Fmu, parameters: Mapping[str, Value]) -> Matrix | No
     return matrix + np.triu(matrix, 1).T
 
 
-def probed_mobility(fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[str, Bond], step: float) -> Matrix:
+def probed_mobility(
+    fmu: Fmu,
+    parameters: Mapping[str, Value],
+    bonds: Mapping[str, Bond],
+    step: float,
+    timeout: float | None = None,
+) -> Matrix:
     """Return the 4 x 4 interface mobility of any structure from one step of a scratch instance, symmetrised.
 
     Each direction in turn gets a unit force over one step; what the velocities then have more than without it is a
@@ -86,7 +96,8 @@ def probed_mobility(fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[st
     tries = [None, *(d for d in DIRECTIONS if d in bonds)]
     velocities: dict[str | None, Matrix] = {}
     with ExitStack() as stack:
-        instance = _started(fmu, parameters, step, stack)
+        start = partial(_started, fmu, parameters, step, timeout, stack)
+        instance = start()
         state = None
         if fmu.can_roll_back:
             state = instance.get_state()
@@ -96,7 +107,7 @@ def probed_mobility(fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[st
             if state is not None:
                 instance.set_state(state)
             elif forced != tries[-1]:
-                instance = _started(fmu, parameters, step, stack)
+                instance = start()
     matrix = np.zeros((4, 4))
     for column, direction in enumerate(DIRECTIONS):
         if direction in bonds:
@@ -104,9 +115,11 @@ def probed_mobility(fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[st
     return 0.5 * (matrix + matrix.T)
 
 
-def _started(fmu: Fmu, parameters: Mapping[str, Value], step: float, stack: ExitStack) -> FmuInstance:
+def _started(
+    fmu: Fmu, parameters: Mapping[str, Value], step: float, timeout: float | None, stack: ExitStack
+) -> FmuInstance:
     """Return a scratch instance that is ready to step; the stack closes it."""
-    instance = FmuInstance(fmu, "scratch")
+    instance = FmuInstance(fmu, "scratch", timeout)
     stack.callback(instance.close)
     instance.set(parameters)
     instance.enter_initialization_mode(0.0, step)

@@ -146,7 +146,7 @@ class Probe(FmuInstance):
         motion = np.full((len(forces), 8), np.nan)
         rows = (forces * self._force_factor).tolist()
         for n, row in enumerate(rows):
-            self.set_real(self._forces, row)
+            self.set(dict(zip(self._forces, row, strict=True)))
             self.do_step(self._steps * self.step_size, self.step_size)
             self._steps += 1
             motion[n, self._offered] = self.get_real(self._motions)
