@@ -13,7 +13,7 @@ from pathlib import Path
 from .analysis import Summary, summarise
 from .assembly import Assembly
 from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
-from .errors import SimulationError
+from .errors import InputError, SimulationError
 from .master import Master, Progress, Settings
 from .outcome import Outcome, spurious_growth
 from .results import ResultsFile, open_results, write_csv
@@ -110,11 +110,13 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
         report.progress(latest)
 
     with results, stop_on_signals() as stop_requested:
+        if keeping is not None:
+            write_checkpoint(keeping.path, scenario, master, results)
         try:
             master.run(results, follow, stop_requested)
             if keeping is not None:
                 write_checkpoint(keeping.path, scenario, master, results)
-        except SimulationError as failure:
+        except (SimulationError, InputError) as failure:
             error = str(failure)
         except OSError as failure:
             error = f"{results.path}: cannot write results: {failure.strerror or failure}"
