@@ -20,6 +20,12 @@ _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UI
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
 """Types of FMI 3.0 and SSP 2.0 that earlier versions call otherwise."""
 
+CONNECTABLE = {
+    *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
+    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"),
+}  # fmt: skip
+"""Types of an output and of the input that it may feed."""
+
 
 @dataclass(frozen=True)
 class Link:
@@ -79,6 +85,7 @@ class Assembly:
         return Coupling(
             feeds={name: frozenset(sources) for name, sources in feeds.items()},
             feedthrough={name: fmu.has_feedthrough() for name, fmu in self.fmus.items()},
+            told=self.system.stages,
         )
 
 
@@ -155,15 +162,14 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     ends = ((wire.start_element, wire.start_connector), (wire.end_element, wire.end_connector))
     for element, connector in ends:
         known(connector, fmus[element], where)
-        kind = fmus[element].variables[connector].type
-        if kind != "Real":
-            raise InputError(f"{where}: {element}.{connector} is of type {kind}; only Real can be connected")
     start = fmus[wire.start_element].variables[wire.start_connector]
     end = fmus[wire.end_element].variables[wire.end_connector]
     if start.causality != "output":
         raise InputError(f"{where}: {wire.start_element}.{wire.start_connector} is no output but {start.causality}")
     if end.causality != "input":
         raise InputError(f"{where}: {wire.end_element}.{wire.end_connector} is no input but {end.causality}")
+    if (start.type, end.type) not in CONNECTABLE:
+        raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
     units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
     return Link(wire, *through(wire.hops, units[0], units[1], where))
 

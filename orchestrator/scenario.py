@@ -10,15 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
-import fmus
+import fmus as components
 from fmus.interface import INITIAL_VELOCITY, PULSE_FORCE
 from fmus.packaging.build import SSP_NAME, build
 from fmus.packaging.system_structure import SSP_FOLDER, read_cases
 
 from .archive import cache_folder
-from .assembly import Assembly, assemble
+from .assembly import Assembly, assemble, open_fmus
 from .errors import InputError
-from .fmu import Value
+from .fmu import Fmu, Value
 from .master import Settings
 from .system import System, read_system
 
@@ -38,6 +38,7 @@ class Scenario:
     sources : FMU files that replace a component's own
     seed : random initial modal velocities instead of the force pulse
     record_every : record after every this many steps
+    timeout : each FMU in a process of its own, and the time that a call may take [s]; None: all in this process
     """
 
     system: str
@@ -48,6 +49,7 @@ class Scenario:
     sources: Mapping[str, Path] = field(default_factory=dict)
     seed: int | None = None
     record_every: int = 4
+    timeout: float | None = None
 
     def prepare(self) -> tuple[Assembly, Settings]:
         """Return the assembled system and the settings of the run."""
@@ -60,12 +62,14 @@ class Scenario:
             duration = system.stop - system.start if system.stop is not None else None
         if duration is None:
             raise InputError(f"{self.system}: says no stop time; give --duration")
-        settings = Settings(step, duration, self.algorithm or system.algorithm or "staggered", self.record_every)
+        algorithm = self.algorithm or system.algorithm or "staggered"
+        settings = Settings(step, duration, algorithm, self.record_every, self.timeout)
         system = system.with_sources(dict(self.sources))
+        fmus = open_fmus(system)
         if self.seed is not None:
-            system = system.with_parameters(random_start(assemble(system), self.seed))
+            system = system.with_parameters(random_start(fmus, self.seed))
         system = system.with_parameters({name: dict(values) for name, values in self.values.items()})
-        return assemble(system), settings
+        return assemble(system, fmus), settings
 
 
 def find_system(text: str) -> System:
@@ -82,7 +86,7 @@ def find_system(text: str) -> System:
 def built_ssp() -> Path:
     """Return the project's own SSP, built when its sources have changed since the last time."""
     digest = hashlib.sha256()
-    package = Path(fmus.__file__).parent
+    package = Path(components.__file__).parent
     for folder, pattern in ((package, "*"), (SSP_FOLDER, "*.toml")):
         for path in sorted(folder.rglob(pattern)):
             if path.is_file() and "__pycache__" not in path.parts:
@@ -93,14 +97,14 @@ def built_ssp() -> Path:
     return folder / SSP_NAME
 
 
-def random_start(assembly: Assembly, seed: int) -> dict[str, dict[str, Value]]:
+def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Value]]:
     """Return random initial modal velocities for every structure that has them, and no force pulse.
 
     The velocities are independent and normal with standard deviation `RANDOM_START`.
     """
     random = np.random.default_rng(seed)
     values: dict[str, dict[str, Value]] = {}
-    for name, fmu in assembly.fmus.items():
+    for name, fmu in fmus.items():
         own: dict[str, Value] = {}
         for variable in fmu.names("parameter"):
             if variable.startswith(INITIAL_VELOCITY):
