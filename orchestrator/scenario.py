@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shutil
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +14,7 @@ import numpy as np
 
 import fmus as components
 from fmus.interface import INITIAL_VELOCITY, PULSE_FORCE
-from fmus.packaging.build import SSP_NAME, build
+from fmus.packaging.build import SSP_NAME, build, default_target
 from fmus.packaging.system_structure import SSP_FOLDER, read_cases
 
 from .archive import cache_folder
@@ -91,10 +93,25 @@ def built_ssp() -> Path:
         for path in sorted(folder.rglob(pattern)):
             if path.is_file() and "__pycache__" not in path.parts:
                 digest.update(path.name.encode() + path.read_bytes())
-    folder = cache_folder().parent / "built" / digest.hexdigest()[:32]
-    if not (folder / SSP_NAME).is_file():
-        build(folder)
-    return folder / SSP_NAME
+    try:
+        target = default_target()
+    except ValueError as error:
+        raise InputError(f"the FMUs of the cases cannot be built here: {error}") from None
+    digest.update(str(target).encode())
+    folder = cache_folder().parent / "built"
+    final = folder / digest.hexdigest()[:32]
+    if not final.is_dir():
+        folder.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(dir=folder, prefix="building-"))
+        try:
+            build(temporary, target, only_cases=True)
+            temporary.replace(final)
+        except OSError:  # somebody else was faster
+            if not final.is_dir():
+                raise
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    return final / SSP_NAME
 
 
 def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Value]]:

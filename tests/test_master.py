@@ -24,7 +24,7 @@ from orchestrator.errors import InputError
 from orchestrator.master import Master, Settings
 from orchestrator.mobility import contact_mobility, probed_mobility, published_mobility, with_step
 from orchestrator.results import ResultsFile, open_results, write_csv
-from orchestrator.scenario import random_start
+from orchestrator.scenario import built_ssp, random_start
 from orchestrator.system import System, read_system
 
 H = 5e-6
@@ -351,6 +351,7 @@ from pathlib import Path
 from orchestrator.assembly import assemble
 from orchestrator.master import Master, Settings
 from orchestrator.results import ResultsFile
+from orchestrator.scenario import built_ssp
 from orchestrator.system import read_system
 with Master(assemble(read_system(Path(sys.argv[1]))), Settings(5e-6, 100.0)) as master:
     with ResultsFile(Path(sys.argv[2]), master.signals(), {}) as results:
@@ -375,6 +376,7 @@ def test_a_killed_run_leaves_readable_results(built: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_its_results(tmp_path: Path, number: signal.Signals) -> None:
     """Ctrl-C and SIGTERM end the run in order: message, exit code 130, readable results."""
+    built_ssp()
     command = [
         sys.executable,
         "-m",
