@@ -73,14 +73,20 @@ class Assembly:
     bonds: tuple[Bond, ...]
     contact: str | None
 
-    def coupling(self) -> Coupling:
-        """Return what the master algorithms need to know of the order of stepping."""
+    def coupling(self, told: Mapping[str, int] | None = None) -> Coupling:
+        """Return what the master algorithms need to know of the order of stepping.
+
+        Parameters
+        ----------
+        told : stages that an annotation of the system gives, by component
+        """
         feeds: dict[str, set[str]] = {name: set() for name in self.fmus}
         for link in self.links:
             feeds[link.wire.end_element].add(link.wire.start_element)
         return Coupling(
             feeds={name: frozenset(sources) for name, sources in feeds.items()},
             feedthrough={name: fmu.has_feedthrough() for name, fmu in self.fmus.items()},
+            told=told or {},
         )
 
 
