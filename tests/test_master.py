@@ -152,6 +152,31 @@ def test_component_between_the_others_steps_last_when_nobody_tells() -> None:
     assert stages("staggered", coupling) == [["a", "b"], ["link"]]
 
 
+def test_order_comes_from_dependencies_then_annotation_then_place() -> None:
+    """What an FMU declares wins over the annotation; the annotation over the place between the others."""
+    feeds = {"a": frozenset({"link"}), "link": frozenset({"a", "b"}), "b": frozenset({"link"})}
+    silent: dict[str, bool | None] = dict.fromkeys(feeds)
+    assert Coupling(feeds, silent).guesses() == [
+        "link does not declare its dependencies; it stands between the others, so it steps last"
+    ]
+    annotated = Coupling(feeds, silent, {"a": 1, "link": 0, "b": 0})
+    assert stages("staggered", annotated) == [["link", "b"], ["a"]]
+    assert annotated.guesses() == []
+    declared = Coupling(feeds, {"a": False, "link": True, "b": False}, {"a": 1, "link": 0})
+    assert stages("staggered", declared) == [["a", "b"], ["link"]]
+
+
+def test_only_the_members_of_a_loop_are_named() -> None:
+    """`late` depends on the loop and feeds nobody; `early` feeds it; the loop is x and y."""
+    feeds = {
+        "early": frozenset[str](), "x": frozenset({"early", "y"}), "y": frozenset({"x"}), "late": frozenset({"y"}),
+    }  # fmt: skip
+    coupling = Coupling(feeds, {"early": False, "x": True, "y": True, "late": True})
+    with pytest.raises(InputError, match="the outputs of x, y depend on each other"):
+        stages("staggered", coupling)
+    assert [set(stage) for stage in stages("iterative", coupling)] == [{"early"}, {"x", "y"}, {"late"}]
+
+
 def test_algebraic_loop_is_named() -> None:
     feeds = {"a": frozenset({"b"}), "b": frozenset({"a"})}
     with pytest.raises(InputError, match="algebraic loop: the outputs of a, b depend on each other"):
