@@ -93,6 +93,7 @@ def test_one_fmu_holds_binaries_for_all_platforms(everywhere: Path, tmp_path: Pa
     assert apple is not None
     cpus = set()
     for part in (apple.at(i) for i in range(apple.size)):
+        assert part is not None
         cpus.add(str(part.header.cpu_type).rsplit(".", 1)[-1])
         assert {library.name for library in part.libraries if "wheel" not in library.name} == {
             "/usr/lib/libSystem.B.dylib"
