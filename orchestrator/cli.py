@@ -22,6 +22,7 @@ from . import master, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
 from .errors import InputError, SimulationError
+from .paper import paper
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .stability_commands import stability, table4
@@ -210,6 +211,7 @@ app.add_typer(wheel_app, name="wheel")
 app.command()(check)
 app.command()(stability)
 app.command()(table4)
+app.command()(paper)
 
 
 def command_line() -> int:

@@ -18,6 +18,8 @@ from toy_fmus import toy_fmu, toy_ssd
 
 from fmus.contact.component import contact
 from fmus.interface import DIRECTIONS, PAIRS
+from fmus.wheel.class158 import identified_stiffness
+from fmus.wheel.component import wheel
 from orchestrator.algorithms import Coupling, stages
 from orchestrator.assembly import Assembly, assemble
 from orchestrator.errors import InputError
@@ -59,7 +61,8 @@ def test_master_steps_as_the_components_do_by_hand(case1: System, tmp_path: Path
     """
     path = tmp_path / "r.nc"
     run(case1, Settings(H, 400 * H, algorithm, record_every=1), path)
-    system = Coupled.of(1, H, jacobi=algorithm == "jacobi", pulse_force=100.0, pulse_duration=1e-4)
+    own = {"pulse_force": 100.0, "pulse_duration": 1e-4, "hertz_stiffness": identified_stiffness()}
+    system = Coupled.of(1, H, None, algorithm == "jacobi", own_wheel=wheel(), **own)
     record = system.run(400)
     with open_results(path) as data:
         assert data.sizes["time"] == 400

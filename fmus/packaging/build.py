@@ -11,6 +11,7 @@ from ..contact.component import contact
 from ..interface import DEFAULT_STEP
 from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..wheel.component import wheel
+from ..wheel.wheelset import DATA, read_wheelset
 from .archive import write_files
 from .python_fmu import build_python_fmu
 from .system_structure import read_cases, ssp_files, system_mobility
@@ -23,6 +24,7 @@ def components() -> dict[str, Component]:
     the_wheel, the_rail = wheel(), rail()
     return {
         "wheel": the_wheel,
+        "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
         "rail": the_rail,
         "rail-paper": paper_rail(),
         "rail-rigid": rigid_rail(),
