@@ -61,8 +61,10 @@ def test_master_steps_as_the_components_do_by_hand(case1: System, tmp_path: Path
     """
     path = tmp_path / "r.nc"
     run(case1, Settings(H, 400 * H, algorithm, record_every=1), path)
-    own = {"pulse_force": 100.0, "pulse_duration": 1e-4, "hertz_stiffness": identified_stiffness()}
-    system = Coupled.of(1, H, None, algorithm == "jacobi", own_wheel=wheel(), **own)
+    jacobi, stiffness = algorithm == "jacobi", identified_stiffness()
+    system = Coupled.of(
+        1, H, jacobi=jacobi, own_wheel=wheel(), hertz_stiffness=stiffness, pulse_force=100.0, pulse_duration=1e-4
+    )
     record = system.run(400)
     with open_results(path) as data:
         assert data.sizes["time"] == 400
