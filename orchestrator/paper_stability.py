@@ -36,7 +36,7 @@ from .stability_case import Stability
 from .stability_commands import find_stability, find_table4
 from .table4 import Cell, Table4, compare
 
-_DPI = 80
+_DPI = 75
 _RESOLUTION_HZ = np.arange(20.0, 1200.0, 0.5)
 
 
