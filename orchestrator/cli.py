@@ -25,6 +25,7 @@ from .coupling_commands import coupling
 from .errors import InputError, SimulationError
 from .export_commands import export
 from .outcome import Outcome, as_json
+from .paper import paper
 from .rail_commands import check, rail_app
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .stability_commands import stability, table4
@@ -266,6 +267,7 @@ app.command()(export)
 app.command()(coupling)
 app.command()(stability)
 app.command()(table4)
+app.command()(paper)
 
 
 def command_line() -> int:

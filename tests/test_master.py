@@ -18,6 +18,8 @@ from toy_fmus import toy_fmu, toy_ssd
 
 from fmus.contact.component import contact
 from fmus.interface import DIRECTIONS, PAIRS
+from fmus.wheel.class158 import identified_stiffness
+from fmus.wheel.component import wheel
 from orchestrator.algorithms import Coupling, stages
 from orchestrator.assembly import Assembly, assemble
 from orchestrator.errors import InputError
@@ -59,7 +61,10 @@ def test_master_steps_as_the_components_do_by_hand(case1: System, tmp_path: Path
     """
     path = tmp_path / "r.nc"
     run(case1, Settings(H, 400 * H, algorithm, record_every=1), path)
-    system = Coupled.of(1, H, jacobi=algorithm == "jacobi", pulse_force=100.0, pulse_duration=1e-4)
+    jacobi, stiffness = algorithm == "jacobi", identified_stiffness()
+    system = Coupled.of(
+        1, H, jacobi=jacobi, own_wheel=wheel(), hertz_stiffness=stiffness, pulse_force=100.0, pulse_duration=1e-4
+    )
     record = system.run(400)
     with open_results(path) as data:
         assert data.sizes["time"] == 400
