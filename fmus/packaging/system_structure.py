@@ -51,7 +51,7 @@ def read_cases(folder: Path = SSP_FOLDER) -> tuple[Case, ...]:
             name=c["name"],
             title=c["title"],
             rail=c["rail"],
-            contact={"falling_ratio": c["falling_ratio"], **data["disturbance"]},
+            contact={"falling_ratio": c["falling_ratio"], **data["contact"], **data["disturbance"]},
             step_size=data["step"]["size_s"],
             stop_time=data["step"]["stop_time_s"],
         )
