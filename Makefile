@@ -51,8 +51,8 @@ paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper 
 	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case || exit 1; done
 	$(BIN)/curvesqueal paper
 
-bench: .venv/developer  ## time per step of the components and of the master, as ratios
-	$(BIN)/python benchmarks/steps.py
+bench: .venv/developer  ## time per step of the components and of several masters, as ratios
+	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py
 
 clean:  ## remove what was built
 	rm -rf build results .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis
