@@ -23,6 +23,7 @@ from .algorithms import ALGORITHMS
 from .command_tools import Json
 from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
+from .recording import patterns
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .stability_commands import stability, table4
 from .wheel_commands import wheel_app
@@ -74,8 +75,13 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
     seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
     csv: Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")] = False,
+    parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
     json: Json = False,
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
@@ -91,9 +97,10 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         sources=parse_sources(replace or []),
         seed=seed,
         record_every=record_every,
+        record=patterns(record),
     )
     with _progress_bar() as report:
-        outcome = running.run_scenario(scenario, out, csv, report, _notice)
+        outcome = running.run_scenario(scenario, out, csv, report, _notice, parquet)
     if json:
         typer.echo(running.as_json(outcome))
     else:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from . import loop
+from . import loop, recording
 from .algorithms import stages
 from .assembly import Assembly
 from .errors import InputError, SimulationError
@@ -34,12 +34,14 @@ class Settings:
     duration : simulated time [s]; rounded to a whole number of steps
     algorithm : name of the master algorithm
     record_every : record after every this many steps
+    record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
     """
 
     step: float
     duration: float
     algorithm: str = "staggered"
     record_every: int = 4
+    record: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -102,6 +104,7 @@ class Master:
             for variable in fmu.names("output")
             if fmu.variables[variable].type == "Real"
         ]
+        self.further = recording.recorded(assembly.fmus, settings.record)
         self.directions = list(dict.fromkeys(bond.direction for bond in assembly.bonds))
         self.stages = stages(settings.algorithm, assembly.coupling())
         self._exit = ExitStack()
@@ -127,11 +130,12 @@ class Master:
         fmus = self.assembly.fmus
         columns = [
             (f"{name}.{variable}", fmus[name].unit(variable) or "", fmus[name].variables[variable].description or "")
-            for name, variable in self.outputs
+            for name, variable in self.outputs + self.further
         ]
-        return columns + [
+        energy = [
             (f"energy_residual.{d}", "J", f"energy that the coupling scheme added so far, {d}") for d in self.directions
         ]
+        return columns[: len(self.outputs)] + energy + columns[len(self.outputs) :]
 
     def _all_parameters(self) -> dict[str, dict[str, Value]]:
         """Return the parameters of all components, with the step and the interface mobilities put in."""
@@ -251,11 +255,13 @@ class Master:
         h, every, total = self.settings.step, self.settings.record_every, self.settings.steps
         start = self.assembly.system.start
         size = max(every, 100)
+        further = recording.further(list(self.instances), self.further, self.assembly.fmus)
         while progress.steps < total:
             steps = min(size, total - progress.steps)
-            rows = np.empty((steps // every + 1, self.plan.y.size + len(self.directions)))
+            rows = np.empty((steps // every + 1, len(self.signals())))
             begin = time.perf_counter()
-            done, count, what, where, status = loop.advance(self.plan, (start, h, progress.steps), steps, every, rows)
+            clock = (start, h, progress.steps)
+            done, count, what, where, status = recording.advance(self.plan, further, clock, steps, every, rows)
             elapsed = time.perf_counter() - begin
             first = (progress.steps // every + 1) * every
             progress.wall += elapsed

@@ -16,7 +16,7 @@ from .analysis import Summary, summarise
 from .assembly import Assembly
 from .errors import InputError, SimulationError
 from .master import Master, Progress, Settings
-from .results import ResultsFile, open_results, write_csv
+from .results import ResultsFile, open_results, require_parquet, write_csv, write_parquet
 from .scenario import Scenario
 
 PACKAGES = ("curvesqueal", "fmpy", "numba", "numpy", "pythonfmu", "scipy")
@@ -50,6 +50,7 @@ def run_scenario(
     csv: bool = False,
     report: Callable[[Progress], None] = lambda _: None,
     notice: Callable[[str], None] = lambda _: None,
+    parquet: bool = False,
 ) -> Outcome:
     """Run a scenario and leave results and picture in `folder`; earlier results there are kept.
 
@@ -60,6 +61,8 @@ def run_scenario(
     SimulationError
         If a component fails before anything was recorded.
     """
+    if parquet:
+        require_parquet()
     assembly, settings = scenario.prepare()
     if settings.algorithm == "jacobi":
         notice("jacobi delays the contact force by a step and can invent squeal; staggered does not")
@@ -80,10 +83,16 @@ def run_scenario(
             error = str(failure)
         except OSError as failure:
             raise InputError(f"{path}: cannot write results: {failure.strerror or failure}") from None
-    return _finish(path, settings, progress, error, csv)
+    outcome = _finish(path, settings, progress, error)
+    with open_results(path) as data:
+        if csv:
+            write_csv(data, path.with_suffix(".csv"))
+        if parquet:
+            write_parquet(data, path.with_suffix(".parquet"))
+    return outcome
 
 
-def _finish(path: Path, settings: Settings, progress: Progress, error: str | None, csv: bool) -> Outcome:
+def _finish(path: Path, settings: Settings, progress: Progress, error: str | None) -> Outcome:
     """Summarise and draw what was recorded."""
     with open_results(path) as data:
         if data.sizes["time"] < 3:
@@ -93,8 +102,6 @@ def _finish(path: Path, settings: Settings, progress: Progress, error: str | Non
 
         picture = path.with_suffix(".png")
         draw_run(data, picture)
-        if csv:
-            write_csv(data, path.with_suffix(".csv"))
         return Outcome(str(data.attrs["case"]), settings, progress, summary, path, picture, error)
 
 

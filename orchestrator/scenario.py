@@ -38,6 +38,7 @@ class Scenario:
     sources : FMU files that replace a component's own
     seed : random initial modal velocities instead of the force pulse
     record_every : record after every this many steps
+    record : patterns of variables to record besides the outputs; None: the wheel's modal velocities
     """
 
     system: str
@@ -48,6 +49,7 @@ class Scenario:
     sources: Mapping[str, Path] = field(default_factory=dict)
     seed: int | None = None
     record_every: int = 4
+    record: tuple[str, ...] | None = None
 
     def prepare(self) -> tuple[Assembly, Settings]:
         """Return the assembled system and the settings of the run."""
@@ -60,7 +62,8 @@ class Scenario:
             duration = system.stop - system.start if system.stop is not None else None
         if duration is None:
             raise InputError(f"{self.system}: says no stop time; give --duration")
-        settings = Settings(step, duration, self.algorithm or system.algorithm or "staggered", self.record_every)
+        algorithm = self.algorithm or system.algorithm or "staggered"
+        settings = Settings(step, duration, algorithm, self.record_every, self.record)
         system = system.with_sources(dict(self.sources))
         if self.seed is not None:
             system = system.with_parameters(random_start(assemble(system), self.seed))
