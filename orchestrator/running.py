@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -15,6 +15,7 @@ from types import FrameType
 from .analysis import Summary, summarise
 from .assembly import Assembly
 from .errors import InputError, SimulationError
+from .fmu import Value
 from .master import Master, Progress, Settings
 from .results import ResultsFile, open_results, require_parquet, write_csv, write_parquet
 from .scenario import Scenario
@@ -134,9 +135,34 @@ def _attributes(
         "record_every": settings.record_every,
         "seed": -1 if scenario.seed is None else scenario.seed,
         "parameters": json.dumps(master.parameters),
+        "all_parameters": json.dumps(all_parameters(assembly, master.parameters)),
         "fmus": json.dumps(fmus),
         "versions": json.dumps({"python": platform.python_version(), **{p: version(p) for p in PACKAGES}}),
     }
+
+
+def all_parameters(
+    assembly: Assembly, changed: Mapping[str, Mapping[str, Value]]
+) -> dict[str, dict[str, float | str | None]]:
+    """Return the value of every parameter of every FMU: its start value, or what it was changed to.
+
+    Modes, damping and contact of a run are then known from its results alone. None is a start value that the FMU does
+    not tell.
+    """
+    values: dict[str, dict[str, float | str | None]] = {}
+    for name, fmu in assembly.fmus.items():
+        own = values[name] = {}
+        for variable in fmu.names("parameter"):
+            value = changed.get(name, {}).get(variable, fmu.variables[variable].start)
+            own[variable] = None if value is None else _plain(value, fmu.variables[variable].type)
+    return values
+
+
+def _plain(value: Value, kind: str) -> float | str:
+    """Return a parameter value as a number where it is one; true is 1."""
+    if kind == "Boolean":
+        return float(str(value).lower() in ("true", "1"))
+    return float(value) if kind in ("Real", "Integer") else str(value)
 
 
 @contextmanager
