@@ -21,6 +21,7 @@ from fmus.interface import DIRECTIONS
 from . import master, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
+from .competition_commands import competition
 from .errors import InputError, SimulationError
 from .rail_commands import check, rail_app
 from .recording import patterns
@@ -219,6 +220,7 @@ app.command()(check)
 app.command()(stability)
 app.command()(table4)
 app.command()(listen)
+app.command()(competition)
 
 
 def command_line() -> int:

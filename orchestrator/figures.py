@@ -1,9 +1,9 @@
-"""Pictures of a run and of the friction law: data in, PNG files out."""
+"""Pictures of a run, of the friction law and of a competition: data in, PNG files out."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -13,6 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .analysis import sample_interval, spectrum
+
+if TYPE_CHECKING:
+    from .tones import Tone
 
 STYLE: Any = {
     "font.size": 9,
@@ -90,4 +93,24 @@ def draw_friction(creepage: np.ndarray, curves: dict[str, np.ndarray], path: Pat
         axes.set(xlabel="Lateral creepage [-]", ylabel="Friction force / normal force [-]", xlim=(0, creepage[-1]))
         axes.set_ylim(0, None)
         axes.legend(loc="lower right")
+        figure.savefig(path, dpi=150)
+
+
+def draw_competition(title: str, groups: dict[str, list[Tone]], path: Path) -> None:
+    """Draw how often each tone won, with confidence intervals; one group of bars per kind of start."""
+    rows = [(words, tone) for words, tones in groups.items() for tone in tones]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.2 + 0.36 * len(rows)), layout="constrained")
+        axes = figure.subplots()
+        for y, (_, tone) in enumerate(rows):
+            reach = [[100 * (tone.share - tone.low)], [100 * (tone.high - tone.share)]]
+            axes.barh(y, 100 * tone.share, color=COLOURS["wheel"], alpha=0.75, height=0.6)
+            axes.errorbar(100 * tone.share, y, xerr=reach, color="black", capsize=3, linewidth=1)
+        labels = ["at rest" if tone.frequency_hz is None else f"{tone.frequency_hz:.0f} Hz" for _, tone in rows]
+        if len(groups) > 1:
+            labels = [f"{words}: {label}" for (words, _), label in zip(rows, labels, strict=True)]
+        axes.set_yticks(range(len(rows)), labels)
+        axes.invert_yaxis()
+        axes.set(xlim=(0, 100), xlabel="Runs that end in this tone [%], 95 % confidence", title=title)
+        axes.grid(visible=False, axis="y")
         figure.savefig(path, dpi=150)
