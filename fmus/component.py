@@ -1,7 +1,10 @@
-"""What a component is: variables, the sizes of its arrays, and two kernels. No FMI, no files but one JSON text.
+"""What a component is: variables, the sizes of its arrays, and three kernels. No FMI, no files but one JSON text.
 
 `initialise(parameters, derived, state, inputs, outputs)` and `do_step(parameters, derived, state, inputs, outputs, h)`
-write into flat float arrays; integers and booleans are stored as floats. The calculated parameters are the head of
+write into flat float arrays; integers and booleans are stored as floats.
+`differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitivity)` writes the change of the outputs at
+the end of the last step, of size h (0 before the first step), per change of the inputs along `seed` into `sensitivity`,
+and nothing else. The calculated parameters are the head of
 `derived`, so that they are known after `initialise`; the local variables are the head of `state`, so that they cost
 nothing.
 """
@@ -84,7 +87,7 @@ class Component:
     name : model name and model identifier
     variables : in the order of their value references
     derived_size, state_size : lengths of the arrays that only the kernels know
-    kernels : module of this package that holds `initialise` and `do_step`
+    kernels : module of this package that holds `initialise`, `do_step` and `differentiate`
     """
 
     name: str
@@ -104,7 +107,7 @@ class Component:
         return {v.name: i for i, v in enumerate(self.of("parameter"))}
 
     def kernel(self, name: str) -> Kernel:
-        """Return the kernel `initialise` or `do_step`."""
+        """Return the kernel `initialise`, `do_step` or `differentiate`."""
         function: Kernel = getattr(import_module(f".{self.kernels}", __package__), name)
         return function
 
@@ -127,7 +130,7 @@ def _variable(data: dict[str, Any]) -> Variable:
 
 
 class Instance:
-    """A running component: one block of memory, five views of it, and the kernels that work on them.
+    """A running component: one block of memory, six views of it, and the kernels that work on them.
 
     Parameters
     ----------
@@ -138,6 +141,7 @@ class Instance:
     ----------
     memory : everything that the future depends on; copy it to save the state, write it back to restore
     parameters, derived, state, inputs, outputs : views of `memory`, what the kernels read and write
+    last_step : (1,) view of `memory`, size of the last step [s]; 0 before the first
 
     Raises
     ------
@@ -149,14 +153,15 @@ class Instance:
         self.component = component
         starts = [v.start for v in component.of("parameter")]
         inputs = [v.start for v in component.of("input")]
-        sizes = (len(starts), component.derived_size, component.state_size, len(inputs), len(component.of("output")))
+        sizes = (len(starts), component.derived_size, component.state_size, len(inputs), len(component.of("output")), 1)
         self.memory: Vector = np.zeros(sum(sizes))
         views = np.split(self.memory, np.cumsum(sizes)[:-1])
-        self.parameters, self.derived, self.state, self.inputs, self.outputs = views
+        self.parameters, self.derived, self.state, self.inputs, self.outputs, self.last_step = views
         self.parameters[:] = starts
         self.inputs[:] = inputs
         self._initialise = component.kernel("initialise")
         self._do_step = component.kernel("do_step")
+        self._differentiate = component.kernel("differentiate")
         for name, value in (parameters or {}).items():
             self.set_parameter(name, value)
 
@@ -182,10 +187,39 @@ class Instance:
     def initialise(self) -> None:
         """Calculate the derived quantities, the initial state and the outputs at the start."""
         self._initialise(self.parameters, self.derived, self.state, self.inputs, self.outputs)
+        self.last_step[0] = 0.0
 
     def do_step(self, h: float) -> None:
         """Advance by `h` seconds with the inputs held; outputs are those at the end of the step."""
         self._do_step(self.parameters, self.derived, self.state, self.inputs, self.outputs, h)
+        self.last_step[0] = h
+
+    def differentiate(self, seed: Vector) -> Vector:
+        """Return the change of all outputs per change of the inputs along `seed`, at the end of the last step.
+
+        The last step is thought of as made again from the same state with inputs changed a little: the directional
+        derivative of FMI, at the size of the last step. Nothing but the result is written. Before the first step, the
+        outputs that `initialise` made are differentiated.
+
+        Parameters
+        ----------
+        seed : (number of inputs,) array, in the units of the inputs
+
+        Returns
+        -------
+        (number of outputs,) array, in the units of the outputs
+
+        Raises
+        ------
+        ValueError
+            For a seed of another length.
+        """
+        if seed.shape != self.inputs.shape:
+            raise ValueError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
+        sensitivity = np.zeros(self.outputs.size)
+        arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
+        self._differentiate(*arrays, float(self.last_step[0]), np.array(seed, dtype=float), sensitivity)
+        return sensitivity
 
     @property
     def calculated(self) -> dict[str, float]:

@@ -230,3 +230,32 @@ def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-
         state[i] = derived[t + i] * v + derived[t + n + i] * u + derived[t + 2 * n + i] * force
         state[n + i] = derived[t + 3 * n + i] * v + derived[t + 4 * n + i] * u + derived[t + 5 * n + i] * force
     _observe(parameters, state, outputs)
+
+
+@kernel
+def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitivity):  # type: ignore[no-untyped-def]
+    """Differentiate the outputs at the end of the last step, of size h (0: none yet), along the held forces `seed`.
+
+    The step is linear and exact, and so is this: velocities change by the interface mobility, displacements by the
+    integral of the impulse response.
+    """
+    n = (parameters.size - 1) // _BLOCKS
+    for row in range(8):
+        sensitivity[row] = 0.0
+    if h <= 0.0:  # no force has acted yet
+        return
+    p = 0
+    for row in range(4):
+        sensitivity[row] += derived[p] * seed[row]
+        p += 1
+        for column in range(row + 1, 4):
+            sensitivity[row] += derived[p] * seed[column]
+            sensitivity[column] += derived[p] * seed[row]
+            p += 1
+    integral = N_MOBILITIES + 1 + 5 * n
+    for i in range(n):
+        force = 0.0
+        for row in range(4):
+            force += parameters[(2 + row) * n + i] * seed[row]
+        for row in range(4):
+            sensitivity[4 + row] += parameters[(2 + row) * n + i] * derived[integral + i] * force

@@ -29,3 +29,15 @@ def falling_factor(creepage: float, falling_ratio: float, saturation: float) -> 
     if creepage < 1e-12:
         return 1.0
     return 1.0 - falling_ratio * math.exp(-saturation / creepage)
+
+
+@kernel
+def falling_slope(creepage: float, falling_ratio: float, saturation: float) -> float:
+    """Return d tau/d gamma, the slope of `falling_factor`.
+
+    >>> round(falling_slope(0.02, 0.1, 0.005), 6)
+    -0.9735
+    """
+    if creepage < 1e-12:
+        return 0.0
+    return -falling_ratio * saturation / (creepage * creepage) * math.exp(-saturation / creepage)

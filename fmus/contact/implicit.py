@@ -44,16 +44,22 @@ def _invert(m, s):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
-    """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
+def _with_forces(derived, state, v, x, f_normal):  # type: ignore[no-untyped-def]
+    """Return the velocities `v` plus what the changes of the creep forces to `x` and of the normal force cause."""
     y = D.mobility
     d0, d1, d2 = x[0] - state[S.f_lon], x[1] - state[S.f_lat], x[2] - state[S.f_spin]
     d3 = f_normal - state[S.f_normal]
-    w = (
+    return (
         v[0] + derived[y] * d0 + derived[y + 1] * d1 + derived[y + 2] * d2 + derived[y + 3] * d3,
         v[1] + derived[y + 4] * d0 + derived[y + 5] * d1 + derived[y + 6] * d2 + derived[y + 7] * d3,
         v[2] + derived[y + 8] * d0 + derived[y + 9] * d1 + derived[y + 10] * d2 + derived[y + 11] * d3,
     )
+
+
+@kernel
+def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
+    """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
+    w = _with_forces(derived, state, v, x, f_normal)
     g = law(parameters, derived, w[0], w[1], w[2], f_normal + parameters[P.normal_load])
     r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
     scale = parameters[P.mu0] * parameters[P.normal_load] + 1e-30
@@ -74,7 +80,7 @@ def _newton_step(state, r, x, part):  # type: ignore[no-untyped-def]
 
 @kernel
 def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type: ignore[no-untyped-def]
-    """Return the creep-force fluctuations that agree with the velocities they cause, and how many evaluations it took.
+    """Return the creep-force fluctuations, the velocities that they cause and agree with, and the evaluations taken.
 
     Parameters
     ----------
@@ -109,4 +115,4 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
         else:
             part *= 0.5
     x = _newton_step(state, r, x, part)
-    return x[0], x[1], x[2], evaluations
+    return x, _with_forces(derived, state, v, x, f_normal), evaluations

@@ -17,13 +17,16 @@ The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when 
 import math
 
 from ..compile import kernel
+from .derivatives import differentiate
 from .fastsim import bound_volume, flexibilities
-from .friction import falling_factor
 from .implicit import renew_newton_matrix, solve_creep_forces
 from .kalker import creepage_coefficients
 from .law import law, normal_force
-from .layout import IN, OUT, STATE_SIZE, D, S
+from .layout import OUT, STATE_SIZE, D, S
 from .parameters import P
+from .ports import put_forces, put_monitors, relative_motion
+
+__all__ = ["differentiate", "do_step", "initialise"]
 
 
 @kernel
@@ -42,20 +45,11 @@ def _ahead(derived, state, v, row):  # type: ignore[no-untyped-def]
 @kernel
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
-    cos = derived[D.cos]
-    sin = derived[D.sin]
-    v_lon = inputs[IN.wheel_v_lon] - inputs[IN.rail_v_lon]
-    v_y = inputs[IN.wheel_v_lat] - inputs[IN.rail_v_lat]
-    v_z = inputs[IN.wheel_v_ver] - inputs[IN.rail_v_ver]
-    v_lat = cos * v_y - sin * v_z
-    v_nor = sin * v_y + cos * v_z
-    v_spin = inputs[IN.wheel_v_spin] - inputs[IN.rail_v_spin]
+    v, v_normal, u_normal = relative_motion(derived, inputs)
     if parameters[P.use_displacements] != 0.0:
-        u_y = inputs[IN.wheel_u_lat] - inputs[IN.rail_u_lat]
-        u_z = inputs[IN.wheel_u_ver] - inputs[IN.rail_u_ver]
-        deflection = -(sin * u_y + cos * u_z) - 0.5 * h * v_nor
+        deflection = -u_normal - 0.5 * h * v_normal
     else:  # the backward rectangle is half a step ahead by itself
-        deflection = state[S.deflection] - h * v_nor
+        deflection = state[S.deflection] - h * v_normal
     state[S.deflection] = deflection
 
     load = normal_force(parameters, derived, deflection)
@@ -63,62 +57,19 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
     pulse = 0.0
     if state[S.elapsed] < parameters[P.pulse_duration]:
         pulse = parameters[P.pulse_force] * math.sin(math.pi * state[S.elapsed] / parameters[P.pulse_duration])
-    ahead = (
-        _ahead(derived, state, v_lon, 0),
-        _ahead(derived, state, v_lat, 1),
-        _ahead(derived, state, v_spin, 2),
-    )
-    x0, x1, x2, evaluations = solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
-    state[S.d_lon] = x0 - state[S.f_lon]
-    state[S.d_lat] = x1 - state[S.f_lat]
-    state[S.d_spin] = x2 - state[S.f_spin]
-    state[S.f_lon] = x0
-    state[S.f_lat] = x1
-    state[S.f_spin] = x2
+    ahead = (_ahead(derived, state, v[0], 0), _ahead(derived, state, v[1], 1), _ahead(derived, state, v[2], 2))
+    x, w, evaluations = solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
+    for i in range(3):
+        state[S.d_lon + i] = x[i] - state[S.f_lon + i]
+        state[S.f_lon + i] = x[i]
+        state[S.v_lon + i] = v[i]
+        state[S.w_lon + i] = w[i]
     state[S.d_normal] = f_normal - state[S.f_normal]
     state[S.f_normal] = f_normal
-    state[S.v_lon] = v_lon
-    state[S.v_lat] = v_lat
-    state[S.v_spin] = v_spin
 
-    f_lat = cos * x1 + sin * f_normal
-    f_ver = -sin * x1 + cos * f_normal
-    outputs[OUT.wheel_f_lon] = x0
-    outputs[OUT.wheel_f_lat] = f_lat
-    outputs[OUT.wheel_f_ver] = f_ver
-    outputs[OUT.wheel_f_spin] = x2
-    outputs[OUT.rail_f_lon] = -x0
-    outputs[OUT.rail_f_lat] = -f_lat
-    outputs[OUT.rail_f_ver] = -f_ver
-    outputs[OUT.rail_f_spin] = -x2
-    _monitor(parameters, derived, outputs, (v_lon, v_lat, v_spin), (x0, x1 - pulse, x2), load, deflection)
+    put_forces(derived, outputs, x, f_normal)
+    put_monitors(parameters, derived, outputs, v, (x[0], x[1] - pulse, x[2]), load, deflection)
     outputs[OUT.force_evaluations] = evaluations
-
-
-@kernel
-def _monitor(parameters, derived, outputs, v, x, load, deflection):  # type: ignore[no-untyped-def]
-    """Put out totals and monitors."""
-    velocity = parameters[P.rolling_velocity]
-    creep_lon = parameters[P.steady_creepage_lon] + v[0] / velocity
-    creep_lat = parameters[P.steady_creepage_lat] + v[1] / velocity
-    creep_spin = parameters[P.steady_creepage_spin] + v[2] / velocity
-    total_lon = derived[D.f_lon] + x[0]
-    total_lat = derived[D.f_lat] + x[1]
-    moment = derived[D.f_spin] + x[2]
-    outputs[OUT.normal_force] = load
-    outputs[OUT.tangential_force_lon] = total_lon
-    outputs[OUT.tangential_force_lat] = total_lat
-    outputs[OUT.spin_moment] = moment
-    outputs[OUT.creepage_lon] = creep_lon
-    outputs[OUT.creepage_lat] = creep_lat
-    outputs[OUT.creepage_spin] = creep_spin
-    outputs[OUT.friction_coefficient] = parameters[P.mu0] * falling_factor(
-        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
-        parameters[P.falling_ratio],
-        parameters[P.saturation_coefficient],
-    )
-    outputs[OUT.deflection] = deflection
-    outputs[OUT.power_dissipated] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)
 
 
 @kernel
@@ -171,6 +122,9 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
         state[i] = 0.0
     for i in range(3):
         state[S.newton + 4 * i] = 1.0
+    v, _, _ = relative_motion(derived, inputs)
+    for i in range(3):
+        state[S.v_lon + i] = v[i]  # as if it had been so before
     # without mobility the first evaluation is explicit: nothing is held before the start
     _apply(parameters, derived, state, inputs, outputs, 0.0)
     for i in range(S.d_lon, S.d_normal + 1):

@@ -22,6 +22,17 @@ def normal_force(parameters, derived, deflection):  # type: ignore[no-untyped-de
 
 
 @kernel
+def normal_stiffness(parameters, derived, deflection):  # type: ignore[no-untyped-def]
+    """Return the slope of `normal_force` [N/m]; 0 where contact is lost."""
+    stiffness = parameters[P.hertz_stiffness]
+    if normal_force(parameters, derived, deflection) <= 0.0:
+        return 0.0
+    if parameters[P.linear_spring] != 0.0:
+        return stiffness
+    return stiffness * math.sqrt(1.0 + deflection / derived[D.approach])
+
+
+@kernel
 def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  # type: ignore[no-untyped-def]
     """Return the total creep forces on the wheel [N, N, N.m] at total creepages and total normal force."""
     tau = falling_factor(

@@ -13,6 +13,7 @@ S = positions(
         *("f_lon", "f_lat", "f_spin", "f_normal"),  # forces that are held now: fluctuations, contact axes
         *("d_lon", "d_lat", "d_spin", "d_normal"),  # how much they changed the last time
         *("v_lon", "v_lat", "v_spin"),  # relative velocities at the end of the step before
+        *("w_lon", "w_lat", "w_spin"),  # relative velocities that the law was solved at
         *("elapsed", "deflection", "newton"),  # time, integrated deflection, Newton matrix (3 x 3)
     ),
 )

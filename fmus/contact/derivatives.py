@@ -1,0 +1,147 @@
+"""The running contact differentiated: a change of the inputs in, the change of the outputs it makes out. Kernels.
+
+With f_n the normal force and v the velocities without the new forces, the law F = g(v + Y_t F + Y_n f_n, f_n) gives
+
+    dF = (I - g' Y_t)^-1 (g' (dv + Y_n df_n) + g_N df_n),
+
+g' and g_N by central differences of the law at the velocities it was solved at.
+"""
+
+import math
+
+from ..compile import kernel
+from .friction import falling_slope
+from .law import law, normal_stiffness
+from .layout import OUT, D, S
+from .parameters import P
+from .ports import put_forces, relative_motion
+
+STEP = 1e-6
+"""Step of the central differences, relative to the rolling velocity and to the load."""
+
+
+@kernel
+def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitivity):  # type: ignore[no-untyped-def]
+    """Differentiate the outputs at the end of the last step, of size h (0: none yet), along the inputs `seed`."""
+    d_v, d_v_normal, d_u = relative_motion(derived, seed)
+    d_deflection = -h * d_v_normal
+    if parameters[P.use_displacements] != 0.0:
+        d_deflection = -d_u - 0.5 * h * d_v_normal
+    d_load = normal_stiffness(parameters, derived, state[S.deflection]) * d_deflection
+    if h > 0.0:
+        d_x = _creep_force_change(parameters, derived, state, (1.5 * d_v[0], 1.5 * d_v[1], 1.5 * d_v[2]), d_load, 1.0)
+    else:  # at the start nothing is extrapolated and the forces are explicit
+        d_x = _creep_force_change(parameters, derived, state, d_v, d_load, 0.0)
+    put_forces(derived, sensitivity, d_x, d_load)
+    _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load)
+    sensitivity[OUT.deflection] = d_deflection
+    sensitivity[OUT.force_evaluations] = 0.0
+
+
+@kernel
+def _creep_force_change(parameters, derived, state, d_v, d_load, implicit):  # type: ignore[no-untyped-def]
+    """Return dF for changes of velocities and load; `implicit` is 1, or 0 to leave the mobility out."""
+    w = (state[S.w_lon], state[S.w_lat], state[S.w_spin])
+    load = state[S.f_normal] + parameters[P.normal_load]
+    delta = STEP * parameters[P.rolling_velocity]
+    turn = delta / derived[D.spin_arm]
+    a = _slope(
+        law(parameters, derived, w[0] + delta, w[1], w[2], load),
+        law(parameters, derived, w[0] - delta, w[1], w[2], load),
+        delta,
+    )
+    b = _slope(
+        law(parameters, derived, w[0], w[1] + delta, w[2], load),
+        law(parameters, derived, w[0], w[1] - delta, w[2], load),
+        delta,
+    )
+    c = _slope(
+        law(parameters, derived, w[0], w[1], w[2] + turn, load),
+        law(parameters, derived, w[0], w[1], w[2] - turn, load),
+        turn,
+    )
+    more = STEP * max(load, STEP * parameters[P.normal_load])
+    g_n = _slope(
+        law(parameters, derived, w[0], w[1], w[2], load + more),
+        law(parameters, derived, w[0], w[1], w[2], load - more),
+        more,
+    )
+    y = D.mobility
+    k0 = d_v[0] + implicit * derived[y + 3] * d_load
+    k1 = d_v[1] + implicit * derived[y + 7] * d_load
+    k2 = d_v[2] + implicit * derived[y + 11] * d_load
+    known = _sum(a, b, c, k0, k1, k2)
+    return _solve(
+        _minus((1.0, 0.0, 0.0), _sum(a, b, c, derived[y], derived[y + 4], derived[y + 8]), implicit),
+        _minus((0.0, 1.0, 0.0), _sum(a, b, c, derived[y + 1], derived[y + 5], derived[y + 9]), implicit),
+        _minus((0.0, 0.0, 1.0), _sum(a, b, c, derived[y + 2], derived[y + 6], derived[y + 10]), implicit),
+        _minus(known, g_n, -d_load),
+    )
+
+
+@kernel
+def _slope(above, below, delta):  # type: ignore[no-untyped-def]
+    """Return the central difference of two values that are 2 delta apart."""
+    part = 0.5 / delta
+    return part * (above[0] - below[0]), part * (above[1] - below[1]), part * (above[2] - below[2])
+
+
+@kernel
+def _sum(a, b, c, p, q, r):  # type: ignore[no-untyped-def]
+    """Return a p + b q + c r of three vectors."""
+    return a[0] * p + b[0] * q + c[0] * r, a[1] * p + b[1] * q + c[1] * r, a[2] * p + b[2] * q + c[2] * r
+
+
+@kernel
+def _minus(a, b, part):  # type: ignore[no-untyped-def]
+    """Return a - part b."""
+    return a[0] - part * b[0], a[1] - part * b[1], a[2] - part * b[2]
+
+
+@kernel
+def _cross(a, b):  # type: ignore[no-untyped-def]
+    """Return the vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    """Return the scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def _solve(a, b, c, r):  # type: ignore[no-untyped-def]
+    """Solve a x0 + b x1 + c x2 = r by Cramer's rule."""
+    b_c = _cross(b, c)
+    a_r = _cross(a, r)
+    determinant = _dot(a, b_c)
+    return _dot(r, b_c) / determinant, _dot(c, a_r) / determinant, -_dot(b, a_r) / determinant
+
+
+@kernel
+def _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load):  # type: ignore[no-untyped-def]
+    """Differentiate totals and monitors."""
+    velocity = parameters[P.rolling_velocity]
+    lon, lat, spin = outputs[OUT.creepage_lon], outputs[OUT.creepage_lat], outputs[OUT.creepage_spin]
+    f_lon, f_lat, moment = (
+        outputs[OUT.tangential_force_lon],
+        outputs[OUT.tangential_force_lat],
+        outputs[OUT.spin_moment],
+    )
+    d_lon, d_lat, d_spin = d_v[0] / velocity, d_v[1] / velocity, d_v[2] / velocity
+    sensitivity[OUT.normal_force] = d_load
+    sensitivity[OUT.tangential_force_lon] = d_x[0]
+    sensitivity[OUT.tangential_force_lat] = d_x[1]
+    sensitivity[OUT.spin_moment] = d_x[2]
+    sensitivity[OUT.creepage_lon] = d_lon
+    sensitivity[OUT.creepage_lat] = d_lat
+    sensitivity[OUT.creepage_spin] = d_spin
+    creepage = math.sqrt(lon * lon + lat * lat)
+    sensitivity[OUT.friction_coefficient] = 0.0
+    if creepage > 0.0:
+        slope = falling_slope(creepage, parameters[P.falling_ratio], parameters[P.saturation_coefficient])
+        sensitivity[OUT.friction_coefficient] = parameters[P.mu0] * slope * (lon * d_lon + lat * d_lat) / creepage
+    sensitivity[OUT.power_dissipated] = -velocity * (
+        d_x[0] * lon + d_x[1] * lat + d_x[2] * spin + f_lon * d_lon + f_lat * d_lat + moment * d_spin
+    )

@@ -1,0 +1,65 @@
+"""Between the contact's ports, in track axes, and its own axes: motion in, forces and monitors out. Kernels."""
+
+import math
+
+from ..compile import kernel
+from .friction import falling_factor
+from .layout import IN, OUT, D
+from .parameters import P
+
+
+@kernel
+def relative_motion(derived, values):  # type: ignore[no-untyped-def]
+    """Return relative velocities (lon, lat, spin), normal velocity, normal displacement of inputs; contact axes."""
+    cos = derived[D.cos]
+    sin = derived[D.sin]
+    v_lon = values[IN.wheel_v_lon] - values[IN.rail_v_lon]
+    v_y = values[IN.wheel_v_lat] - values[IN.rail_v_lat]
+    v_z = values[IN.wheel_v_ver] - values[IN.rail_v_ver]
+    v_spin = values[IN.wheel_v_spin] - values[IN.rail_v_spin]
+    u_y = values[IN.wheel_u_lat] - values[IN.rail_u_lat]
+    u_z = values[IN.wheel_u_ver] - values[IN.rail_u_ver]
+    return (v_lon, cos * v_y - sin * v_z, v_spin), sin * v_y + cos * v_z, sin * u_y + cos * u_z
+
+
+@kernel
+def put_forces(derived, target, x, f_normal):  # type: ignore[no-untyped-def]
+    """Put creep forces `x` (lon, lat, spin) and the normal force into the force outputs; linear."""
+    cos = derived[D.cos]
+    sin = derived[D.sin]
+    f_lat = cos * x[1] + sin * f_normal
+    f_ver = -sin * x[1] + cos * f_normal
+    target[OUT.wheel_f_lon] = x[0]
+    target[OUT.wheel_f_lat] = f_lat
+    target[OUT.wheel_f_ver] = f_ver
+    target[OUT.wheel_f_spin] = x[2]
+    target[OUT.rail_f_lon] = -x[0]
+    target[OUT.rail_f_lat] = -f_lat
+    target[OUT.rail_f_ver] = -f_ver
+    target[OUT.rail_f_spin] = -x[2]
+
+
+@kernel
+def put_monitors(parameters, derived, outputs, v, x, load, deflection):  # type: ignore[no-untyped-def]
+    """Put totals and monitors into the outputs, of velocities `v`, creep-force fluctuations `x` and the total load."""
+    velocity = parameters[P.rolling_velocity]
+    creep_lon = parameters[P.steady_creepage_lon] + v[0] / velocity
+    creep_lat = parameters[P.steady_creepage_lat] + v[1] / velocity
+    creep_spin = parameters[P.steady_creepage_spin] + v[2] / velocity
+    total_lon = derived[D.f_lon] + x[0]
+    total_lat = derived[D.f_lat] + x[1]
+    moment = derived[D.f_spin] + x[2]
+    outputs[OUT.normal_force] = load
+    outputs[OUT.tangential_force_lon] = total_lon
+    outputs[OUT.tangential_force_lat] = total_lat
+    outputs[OUT.spin_moment] = moment
+    outputs[OUT.creepage_lon] = creep_lon
+    outputs[OUT.creepage_lat] = creep_lat
+    outputs[OUT.creepage_spin] = creep_spin
+    outputs[OUT.friction_coefficient] = parameters[P.mu0] * falling_factor(
+        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
+        parameters[P.falling_ratio],
+        parameters[P.saturation_coefficient],
+    )
+    outputs[OUT.deflection] = deflection
+    outputs[OUT.power_dissipated] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)
