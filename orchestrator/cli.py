@@ -18,7 +18,7 @@ from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from . import master, running
+from . import master, report_commands, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
 from .competition_commands import competition
@@ -220,6 +220,7 @@ app.command()(check)
 app.command()(stability)
 app.command()(table4)
 app.command()(listen)
+app.command()(report_commands.report)
 app.command()(competition)
 
 

@@ -15,7 +15,6 @@ from .figures import draw_directions, draw_sound
 from .limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from .results import open_results
 from .run_model import model_of
-from .stability_case import Stability
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -62,21 +61,14 @@ class Facts:
     ----------
     title : of the case
     cycle, growth, sound : of the run
-    stability : of the linear system; None where components do not tell their modes
+    gains : loop gains of the linear system by frequency [Hz]; empty where components do not tell their modes
     """
 
     title: str
     cycle: LimitCycle
     growth: tuple[Growth, ...]
     sound: Sound
-    stability: Stability | None
-
-    @property
-    def gains(self) -> dict[float, float]:
-        """Loop gains by frequency of the crossings beyond +1."""
-        if self.stability is None:
-            return {}
-        return {i.crossing.frequency_hz: i.crossing.gain for i in self.stability.instabilities}
+    gains: dict[float, float]
 
 
 def items(results_folder: Path, figures: Path) -> list[Item]:
@@ -115,7 +107,7 @@ def facts_of(data: xr.Dataset) -> Facts:
         cycle=limit_cycle(data),
         growth=() if model is None else growth_of(data, model.poles()),
         sound=sound_of(data),
-        stability=None if model is None else model.stability(),
+        gains={} if model is None else model.loop_gains(),
     )
 
 

@@ -13,9 +13,10 @@ from fmus.contact.linearised import LinearContact
 from fmus.interface import DIRECTIONS
 from fmus.modal import Modes
 
-from .frequency_domain import linear_contact, of_modes, remembered
+from .eigenloci import Crossing, Eigenloci, crossings, eigenloci, frequency_grid
+from .frequency_domain import Loop, linear_contact, of_modes, remembered
 from .stability import Poles, closed_loop_poles
-from .stability_case import Stability, Structures, analyse
+from .stability_case import REPORTED_BELOW_HZ
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -41,10 +42,16 @@ class RunModel:
         """Return the poles of the coupled system."""
         return closed_loop_poles(self.wheel, self.rail, self.contact)
 
-    def stability(self) -> Stability:
-        """Return eigenloci, loop gains and poles."""
-        wheel, rail = remembered(of_modes(self.wheel)), remembered(of_modes(self.rail))
-        return analyse(Structures(wheel, rail, self.wheel, self.rail), self.contact)
+    def open_loop(self) -> tuple[Eigenloci, tuple[Crossing, ...]]:
+        """Return the eigenloci of the open loop and where they cross the positive real axis beyond +1."""
+        loop = Loop(remembered(of_modes(self.wheel)), remembered(of_modes(self.rail)), self.contact)
+        loci = eigenloci(loop.open_loop, frequency_grid(self.wheel.omega / (2 * np.pi), self.wheel.zeta))
+        return loci, crossings(loop.open_loop, loci)
+
+    def loop_gains(self) -> dict[float, float]:
+        """Return the loop gains of the instabilities by frequency [Hz], below what the paper reports."""
+        _, found = self.open_loop()
+        return {c.frequency_hz: c.gain for c in found if c.frequency_hz < REPORTED_BELOW_HZ}
 
 
 def model_of(data: xr.Dataset) -> RunModel | None:
@@ -71,8 +78,7 @@ def modes_of(values: Mapping[str, Any] | None) -> Modes | None:
         return None
     if not numbers and set(values) != {"step_size"}:
         return None
-    labels = tuple(f"{f:.0f} Hz cosine" for f in table[0])
-    return Modes(2 * np.pi * table[0], table[1], table[2:].T.copy(), labels)
+    return Modes(2 * np.pi * table[0], table[1], table[2:].T.copy())
 
 
 def _contact(values: Mapping[str, Any]) -> LinearContact | None:

@@ -69,7 +69,7 @@ def facts(runs: Path) -> dict[str, Facts]:
         with open_results(runs / f"{case}.nc") as data:
             model = model_of(data)
             assert model is not None
-            found[case] = Facts(case, limit_cycle(data), growth_of(data, model.poles()), sound_of(data), None)
+            found[case] = Facts(case, limit_cycle(data), growth_of(data, model.poles()), sound_of(data), {})
     return found
 
 
