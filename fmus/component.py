@@ -106,6 +106,11 @@ class Component:
         """Position of each parameter in the parameter array."""
         return {v.name: i for i, v in enumerate(self.of("parameter"))}
 
+    @property
+    def differentiable(self) -> bool:
+        """Whether there is a kernel `differentiate`."""
+        return hasattr(import_module(f".{self.kernels}", __package__), "differentiate")
+
     def kernel(self, name: str) -> Kernel:
         """Return the kernel `initialise`, `do_step` or `differentiate`."""
         function: Kernel = getattr(import_module(f".{self.kernels}", __package__), name)
@@ -161,7 +166,6 @@ class Instance:
         self.inputs[:] = inputs
         self._initialise = component.kernel("initialise")
         self._do_step = component.kernel("do_step")
-        self._differentiate = component.kernel("differentiate")
         for name, value in (parameters or {}).items():
             self.set_parameter(name, value)
 
@@ -212,13 +216,17 @@ class Instance:
         Raises
         ------
         ValueError
-            For a seed of another length.
+            For a seed of another length, or if the component is not differentiable.
         """
+        if not self.component.differentiable:
+            raise ValueError(f"{self.component.name} offers no directional derivatives")
         if seed.shape != self.inputs.shape:
             raise ValueError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
         sensitivity = np.zeros(self.outputs.size)
         arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
-        self._differentiate(*arrays, float(self.last_step[0]), np.array(seed, dtype=float), sensitivity)
+        self.component.kernel("differentiate")(
+            *arrays, float(self.last_step[0]), np.array(seed, dtype=float), sensitivity
+        )
         return sensitivity
 
     @property

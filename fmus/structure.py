@@ -142,7 +142,7 @@ def _impulse_response(omega, zeta, h):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _tabulate(parameters, derived, h):  # type: ignore[no-untyped-def]
+def tabulate(parameters, derived, h):  # type: ignore[no-untyped-def]
     """Fill `derived`: interface mobility (10), step (1), six tables of the exact step of each mode."""
     n = (parameters.size - 1) // _BLOCKS
     t = N_MOBILITIES + 1
@@ -200,7 +200,7 @@ def _observe(parameters, state, outputs):  # type: ignore[no-untyped-def]
 def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
     """Start at zero displacement with the given modal velocities."""
     n = (parameters.size - 1) // _BLOCKS
-    _tabulate(parameters, derived, parameters[_BLOCKS * n])
+    tabulate(parameters, derived, parameters[_BLOCKS * n])
     for i in range(n):
         state[i] = parameters[6 * n + i]
         state[n + i] = 0.0
@@ -212,7 +212,7 @@ def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-
     """Advance each mode exactly with the forces held over the step (matrix exponential of its 2 x 2 block)."""
     n = (parameters.size - 1) // _BLOCKS
     if derived[N_MOBILITIES] != h:
-        _tabulate(parameters, derived, h)
+        tabulate(parameters, derived, h)
     t = N_MOBILITIES + 1
     f0 = inputs[0]
     f1 = inputs[1]

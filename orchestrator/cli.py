@@ -45,9 +45,17 @@ screen = Console()
 @app.command()
 def build(
     out: Annotated[Path, typer.Option(help="Folder for the FMUs and the SSP.")] = Path("build"),
+    flavour: Annotated[
+        str | None,
+        typer.Option(help="native, python or all (one folder each); default: native if a C compiler is there."),
+    ] = None,
+    fmi: Annotated[int, typer.Option(help="Version of FMI: 2 or 3.")] = 2,
+    platforms: Annotated[
+        str, typer.Option(help="Native FMUs: x86_64-linux,aarch64-linux,x86_64-windows,... Default: this one.")
+    ] = "",
     json: Json = False,
 ) -> None:
-    """Build the FMUs (wheel, rail, rail-rigid, contact) and the SSP that couples them."""
+    """Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."""
     from fmus.packaging import build as building  # noqa: PLC0415 - compiles kernels
 
     files: list[Path] = []
@@ -58,7 +66,14 @@ def build(
             screen.print(f"{path}  ({path.stat().st_size / 1000:.0f} kB)", highlight=False)
 
     try:
-        building.build(out, report)
+        chosen = building.targets(flavour, fmi, [name for name in platforms.split(",") if name])
+        for target in chosen:
+            _say(str(target))
+            building.build(out / target.flavour if len(chosen) > 1 else out, target, report)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    except RuntimeError as error:
+        raise SimulationError(f"build: {error}") from None
     except OSError as error:
         raise InputError(f"{out}: cannot write there: {error.strerror or error}") from None
     if json:

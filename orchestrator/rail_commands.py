@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -200,7 +199,7 @@ def track_file(track: str) -> Path:
 def _write_rail(data: ModalData, path: Path, name: str) -> None:
     """Write a modal rail as modal data or as an FMU of the given model name, by the suffix."""
     from fmus.modal_data import write_modal_data  # noqa: PLC0415
-    from fmus.packaging.python_fmu import build_python_fmu  # noqa: PLC0415
+    from fmus.packaging.build import build_fmu  # noqa: PLC0415
     from fmus.structure import structure  # noqa: PLC0415
 
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -208,7 +207,7 @@ def _write_rail(data: ModalData, path: Path, name: str) -> None:
         write_modal_data(path, data)
     else:
         component = structure(name, f"Rail at the contact point: {data.title}", data.modes)
-        build_python_fmu(component, path, version("curvesqueal"))
+        build_fmu(component, path)
 
 
 def _print_errors(errors: dict[str, Errors], title: str) -> None:

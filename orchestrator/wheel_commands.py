@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,7 +33,7 @@ def build(
 
     CSV and TOML are in the axes of the contract; UFF needs --axes.
     """
-    from fmus.packaging.python_fmu import build_python_fmu  # noqa: PLC0415
+    from fmus.packaging.build import build_fmu  # noqa: PLC0415
     from fmus.structure import structure  # noqa: PLC0415
     from fmus.wheel.class158 import class158  # noqa: PLC0415
     from fmus.wheel.imported import read_modes  # noqa: PLC0415
@@ -45,7 +44,7 @@ def build(
         read = class158().modes if modes == "class158" else read_modes(Path(modes), _uff_axes(axes))
         out.parent.mkdir(parents=True, exist_ok=True)
         component = structure("wheel", f"Wheel at the contact point: {Path(modes).stem}", read)
-        build_python_fmu(component, out, version("curvesqueal"))
+        build_fmu(component, out)
     if json:
         screen.print_json(data={"file": str(out), "modes": len(read)})
     else:

@@ -73,7 +73,7 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
 
 
 @kernel
-def _turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
+def turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
     """Put the mobility rows lon, lat, spin over the columns lon, lat, spin, normal into `derived`, contact axes."""
     c = derived[D.cos]
     s = derived[D.sin]
@@ -129,7 +129,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     _apply(parameters, derived, state, inputs, outputs, 0.0)
     for i in range(S.d_lon, S.d_normal + 1):
         state[i] = 0.0
-    _turn_mobility(parameters, derived)
+    turn_mobility(parameters, derived)
     rest = (0.0, 0.0, 0.0)
     steady = (derived[D.f_lon], derived[D.f_lat], derived[D.f_spin])
     renew_newton_matrix(parameters, derived, state, rest, steady, load)

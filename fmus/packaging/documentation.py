@@ -23,13 +23,17 @@ process (see PythonFMU's documentation), and the package numpy. With the package
 """
 
 
-def documentation_files(component: Component, version: str) -> dict[str, bytes]:
-    """Return the files of the folder `documentation` by their names in the FMU."""
+def documentation_files(component: Component, version: str, python: bool) -> dict[str, bytes]:
+    """Return the files of the folder `documentation` by their names in the FMU.
+
+    Parameters
+    ----------
+    python : whether the FMU runs Python code
+    """
     license_file = Path(__file__).parents[2] / "LICENSE"
-    files = {
-        "documentation/index.html": _page(component, version),
-        "documentation/externalDependencies.txt": _DEPENDENCIES,
-    }
+    files = {"documentation/index.html": _page(component, version)}
+    if python:
+        files["documentation/externalDependencies.txt"] = _DEPENDENCIES
     if license_file.is_file():
         files["documentation/licenses/license.txt"] = license_file.read_text(encoding="utf-8")
     return {name: text.encode() for name, text in files.items()}

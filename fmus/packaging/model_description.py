@@ -19,14 +19,22 @@ VARIABILITY = {
 }
 
 
-def model_description(component: Component, version: str, content: str) -> Element:
-    """Return the root element of modelDescription.xml.
+CAPABILITIES = {
+    2: {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
+    3: {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+}
+"""What every FMU can do, as the FMI versions write it."""
+
+
+def model_description(component: Component, version: str, content: str, derivatives: bool = False) -> Element:
+    """Return the root element of modelDescription.xml for FMI 2.0.
 
     Parameters
     ----------
     component : Component
     version : version of the project
     content : text that identifies the code in the FMU; together with the declaration it makes the guid
+    derivatives : whether the FMU provides directional derivatives
     """
     root = Element("fmiModelDescription")
     options = {
@@ -34,12 +42,13 @@ def model_description(component: Component, version: str, content: str) -> Eleme
         "needsExecutionTool": "false",
         "canHandleVariableCommunicationStepSize": "true",
         "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
+        **CAPABILITIES[2],
     }
-    _unit_definitions(root, component)
+    if derivatives:
+        options["providesDirectionalDerivative"] = "true"
+    unit_definitions(root, component)
     SubElement(root, "CoSimulation", options)
-    _log_categories(root)
+    log_categories(root)
     SubElement(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=repr(DEFAULT_STEP))
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(component.variables):
@@ -61,7 +70,7 @@ def model_description(component: Component, version: str, content: str) -> Eleme
     return root
 
 
-def _unit_definitions(root: Element, component: Component) -> None:
+def unit_definitions(root: Element, component: Component) -> None:
     """Define every unit that a variable of the component has."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in sorted({v.unit for v in component.variables if v.kind == "Real"}):
@@ -73,7 +82,7 @@ def _unit_definitions(root: Element, component: Component) -> None:
             SubElement(element, "DisplayUnit", name="deg", factor=repr(180 / math.pi))
 
 
-def _log_categories(root: Element) -> None:
+def log_categories(root: Element) -> None:
     """Declare the log categories that FMI recommends and the slave uses."""
     categories = SubElement(root, "LogCategories")
     for name, text in (
@@ -92,6 +101,16 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.description,
+        **roles(variable),
+    }
+    element = Element("ScalarVariable", attributes)
+    SubElement(element, variable.kind, type_attributes(variable))
+    return element
+
+
+def roles(variable: Variable) -> dict[str, str]:
+    """Return causality, variability and initial."""
+    attributes = {
         "causality": variable.causality,
         "variability": "tunable" if variable.tunable else VARIABILITY[variable.causality],
     }
@@ -99,12 +118,10 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
         attributes["initial"] = "exact"
     elif variable.causality != "input":
         attributes["initial"] = "calculated"
-    element = Element("ScalarVariable", attributes)
-    SubElement(element, variable.kind, _type_attributes(variable))
-    return element
+    return attributes
 
 
-def _type_attributes(variable: Variable) -> dict[str, str]:
+def type_attributes(variable: Variable) -> dict[str, str]:
     """Return unit, limits, nominal and start as the type of the variable writes them."""
     if variable.kind == "Boolean":
         return {"start": str(bool(variable.start)).lower()}

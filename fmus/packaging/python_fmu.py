@@ -19,15 +19,14 @@ from pythonfmu.builder import FmuBuilder
 from ..component import Component
 from .archive import write_archive
 from .documentation import documentation_files
-
-PACKAGE = Path(__file__).parents[1]
+from .sources import PACKAGE, kernel_files
+from .terminals import terminal_files
 
 COMMON = (
     "__init__.py",
     "compile.py",
     "component.py",
     "interface.py",
-    "modal.py",
     "packaging/__init__.py",
     "packaging/model_description.py",
     "packaging/slave.py",
@@ -60,7 +59,7 @@ def build_python_fmu(component: Component, file: Path, version: str) -> Path:
     file : where the FMU goes; its folder must exist
     version : version of the project, written into the model description
     """
-    sources = {name: (PACKAGE / name).read_bytes() for name in (*COMMON, *_kernel_files(component))}
+    sources = {name: (PACKAGE / name).read_bytes() for name in sorted({*COMMON, *kernel_files(component)})}
     sources["declaration.py"] = f"DECLARATION = {component.to_json()!r}\n".encode()
     digest = hashlib.sha256()
     for name, data in sorted(sources.items()):
@@ -79,16 +78,8 @@ def build_python_fmu(component: Component, file: Path, version: str) -> Path:
             raw = FmuBuilder.build_FMU(
                 script, dest=Path(folder) / "raw.fmu", project_files=[Path(folder) / package], needsExecutionTool=False
             )
-        write_archive(raw, file, documentation_files(component, version))
+        write_archive(raw, file, {**documentation_files(component, version, python=True), **terminal_files(component)})
     return file
-
-
-def _kernel_files(component: Component) -> list[str]:
-    """Return the modules that the kernels of a component need: one file, or all of a sub-package."""
-    parts = component.kernels.split(".")
-    if len(parts) == 1:
-        return [f"{parts[0]}.py"]
-    return sorted(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / parts[0]).glob("*.py"))
 
 
 @contextmanager

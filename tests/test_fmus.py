@@ -1,4 +1,4 @@
-"""The PythonFMU builds in tools that are not ours, and against the component in this process."""
+"""FMUs of both flavours in tools that are not ours, and against the component in this process."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
+from slaves import NAMES, H, Slave, signal
 
 from fmus.component import Component, Instance
 from fmus.contact.component import contact
@@ -20,68 +20,28 @@ from fmus.interface import DIRECTIONS
 from fmus.packaging.build import components
 from fmus.packaging.python_fmu import build_python_fmu
 
-NAMES = ("wheel", "rail", "rail-rigid", "contact")
-H = 5e-6
-
 
 @pytest.fixture(scope="module")
 def declared() -> dict[str, Component]:
     return components()
 
 
-class Slave:
-    """A slave driven by FMPy's binding, call by call."""
-
-    def __init__(self, file: Path, parameters: dict[str, float] | None = None) -> None:
-        self.folder = fmpy.extract(str(file))
-        self.description = fmpy.read_model_description(self.folder)
-        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.slave = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="test",
-        )
-        self.slave.instantiate(loggingOn=True)
-        self.slave.setupExperiment(startTime=0.0)
-        self.slave.enterInitializationMode()
-        for name, value in (parameters or {}).items():
-            self.slave.setReal([self.reference[name]], [value])
-        self.slave.exitInitializationMode()
-        self.time = 0.0
-
-    def names(self, causality: str) -> list[str]:
-        """Return the names of one causality."""
-        return [v.name for v in self.description.modelVariables if v.causality == causality]
-
-    def set_inputs(self, values: np.ndarray) -> None:
-        """Set all inputs, in the order of the model description."""
-        self.slave.setReal([self.reference[n] for n in self.names("input")], values.tolist())
-
-    def outputs(self) -> np.ndarray:
-        """Return all outputs."""
-        return np.array(self.slave.getReal([self.reference[n] for n in self.names("output")]))
-
-    def step(self) -> None:
-        """Make one step."""
-        self.slave.doStep(self.time, H)
-        self.time += H
-
-    def close(self) -> None:
-        """Free the slave."""
-        self.slave.terminate()
-        self.slave.freeInstance()
+@pytest.fixture(scope="module", params=["built", "native"])
+def flavour(request: pytest.FixtureRequest) -> Path:
+    """Return the folder of the Python or of the native FMUs."""
+    folder: Path = request.getfixturevalue(request.param)
+    return folder
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_fmpy_finds_no_problem(built: Path, name: str) -> None:
-    assert validate_fmu(str(built / f"{name}.fmu")) == []
+def test_fmpy_finds_no_problem(flavour: Path, name: str) -> None:
+    assert validate_fmu(str(flavour / f"{name}.fmu")) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_fmu_manipulation_toolbox_finds_no_problem(built: Path, name: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_fmu_manipulation_toolbox_finds_no_problem(flavour: Path, name: str, caplog: pytest.LogCaptureFixture) -> None:
     """Schema and semantic rules of FMI 2.0.5."""
-    fmu = FMU(str(built / f"{name}.fmu"))
+    fmu = FMU(str(flavour / f"{name}.fmu"))
     for checker in get_checkers():
         fmu.apply_operation(checker())
     assert [r.getMessage() for r in caplog.records if r.levelname in ("ERROR", "WARNING", "CRITICAL")] == []
@@ -104,8 +64,8 @@ def test_guid_follows_the_content(built: Path, tmp_path: Path, declared: dict[st
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_model_description_says_what_tools_need(built: Path, name: str) -> None:
-    description = fmpy.read_model_description(str(built / f"{name}.fmu"))
+def test_model_description_says_what_tools_need(flavour: Path, name: str) -> None:
+    description = fmpy.read_model_description(str(flavour / f"{name}.fmu"))
     assert description.defaultExperiment.stepSize == "5e-06"
     assert description.coSimulation.canGetAndSetFMUstate
     assert description.coSimulation.canSerializeFMUstate
@@ -121,21 +81,12 @@ def test_model_description_says_what_tools_need(built: Path, name: str) -> None:
     )
 
 
-def signal(component: Component, steps: int) -> np.ndarray:
-    """Return inputs for a component: some tens of newtons, or some centimetres per second and micrometres."""
-    names = [v.name for v in component.of("input")]
-    scale = np.array([2e-6 if "_u_" in n else 0.05 if "_v_" in n else 50.0 for n in names])
-    time = np.arange(steps)[:, None] * H
-    phases = np.arange(len(names))
-    return scale * np.sin(2 * np.pi * (300 + 170 * phases) * time + phases)
-
-
 @pytest.mark.parametrize("name", NAMES)
-def test_fmu_computes_what_the_component_computes(built: Path, declared: dict[str, Component], name: str) -> None:
+def test_fmu_computes_what_the_component_computes(flavour: Path, declared: dict[str, Component], name: str) -> None:
     """Over 1000 steps, to 1e-12 of each output's largest value (the machine code may differ, the text does not)."""
     component = declared[name]
     moving = {v.name: 1e-3 for v in component.of("parameter") if v.name.startswith("initial_velocity")}
-    slave, instance = Slave(built / f"{name}.fmu", moving), Instance(component, moving)
+    slave, instance = Slave(flavour / f"{name}.fmu", moving), Instance(component, moving)
     instance.initialise()
     found, expected = [slave.outputs()], [instance.outputs.copy()]
     for u in signal(component, 1000):
@@ -151,9 +102,9 @@ def test_fmu_computes_what_the_component_computes(built: Path, declared: dict[st
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_state_is_complete(built: Path, declared: dict[str, Component], name: str) -> None:
+def test_state_is_complete(flavour: Path, declared: dict[str, Component], name: str) -> None:
     """Go back to a state in the middle of a run, directly and through bytes: the same outputs, bit for bit."""
-    slave = Slave(built / f"{name}.fmu")
+    slave = Slave(flavour / f"{name}.fmu")
     inputs = signal(declared[name], 60)
 
     def run(part: np.ndarray) -> list[np.ndarray]:
@@ -197,10 +148,10 @@ def test_all_fmus_and_two_versions_of_one_work_in_a_process(
     ("name", "column", "output"),
     [("wheel", "f_lat", "v_lat"), ("rail", "f_ver", "v_ver"), ("contact", "wheel_v_lat", "creepage_lat")],
 )
-def test_fmu_runs_alone_with_an_input_signal(built: Path, name: str, column: str, output: str) -> None:
+def test_fmu_runs_alone_with_an_input_signal(flavour: Path, name: str, column: str, output: str) -> None:
     inputs = np.array([(0.0, 0.0), (1e-3, 1.0)], dtype=[("time", float), (column, float)])
     result = fmpy.simulate_fmu(
-        str(built / f"{name}.fmu"), stop_time=1e-3, step_size=H, output_interval=H, input=inputs, output=[output]
+        str(flavour / f"{name}.fmu"), stop_time=1e-3, step_size=H, output_interval=H, input=inputs, output=[output]
     )
     assert len(result) == 201
     assert result[output][-1] != result[output][0]
@@ -215,16 +166,16 @@ def test_fmu_runs_alone_with_an_input_signal(built: Path, name: str, column: str
     ],
 )
 def test_a_fault_is_an_error_that_names_the_variable(
-    built: Path, parameters: dict[str, float], inputs: dict[str, float], message: str
+    flavour: Path, parameters: dict[str, float], inputs: dict[str, float], message: str
 ) -> None:
     """In a process of its own, with FMPy's default logger, which prints."""
     script = f"""
 import fmpy, os, sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parent)!r})
-from test_python_fmu import Slave, H
+from slaves import H, Slave
 try:
-    slave = Slave(Path({str(built / "contact.fmu")!r}), {parameters!r})
+    slave = Slave(Path({str(flavour / "contact.fmu")!r}), {parameters!r})
     for name, value in {{k: float(v) for k, v in { ({k: str(v) for k, v in inputs.items()})!r}.items()}}.items():
         slave.slave.setReal([slave.reference[name]], [value])
     slave.step()
@@ -238,8 +189,8 @@ os._exit(0)  # PythonFMU frees its state twice at an ordinary end
     assert "status" in done.stdout
 
 
-def test_modal_velocities_add_up_to_the_velocity_of_the_contact_point(built: Path) -> None:
-    slave = Slave(built / "wheel.fmu")
+def test_modal_velocities_add_up_to_the_velocity_of_the_contact_point(flavour: Path) -> None:
+    slave = Slave(flavour / "wheel.fmu")
     slave.set_inputs(np.array([1e3, 2e3, 5e3, 10.0]))
     for _ in range(50):
         slave.step()

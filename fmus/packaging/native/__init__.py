@@ -1,0 +1,1 @@
+"""Native FMUs: kernels lowered to machine code for several platforms, and one C file with the FMI functions."""

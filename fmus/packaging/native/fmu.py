@@ -1,0 +1,172 @@
+"""Components in, native FMUs out: no Python on the host, one archive for several platforms."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform as host
+import shutil
+import struct
+import tempfile
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version as version_of
+from importlib.resources import files
+from pathlib import Path
+from xml.etree.ElementTree import Element, tostring
+
+import fmpy
+
+from ...component import Component
+from ..archive import write_files
+from ..documentation import documentation_files
+from ..model_description import model_description
+from ..model_description3 import model_description3
+from ..sources import PACKAGE, kernel_files
+from ..terminals import terminal_files
+from .linker import FLAGS, Compiler, find_compiler, link
+from .lowering import lower
+from .platforms import PLATFORMS, Platform
+from .tables import component_header
+
+HEADERS = {
+    2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+"""The headers of the standard, under a BSD licence, as FMPy carries them."""
+
+
+def build_native_fmus(
+    components: Mapping[str, Component], platforms: Iterable[str], fmi: int, folder: Path, version: str
+) -> dict[str, Path]:
+    """Write one FMU per component into `folder`; return the files by name. The same input gives the same bytes.
+
+    Parameters
+    ----------
+    components : by the name of the FMU file without suffix
+    platforms : names of `PLATFORMS`
+    fmi : 2 or 3
+    folder : where the FMUs go; must exist
+    version : version of the project, written into the model description
+
+    Raises
+    ------
+    RuntimeError
+        If there is no compiler for a platform, or it fails.
+    """
+    chosen = [PLATFORMS[name] for name in sorted(set(platforms))]
+    compilers = {}
+    for each in chosen:
+        compiler = find_compiler(each.name)
+        if compiler is None:
+            raise RuntimeError(f"there is no C compiler for {each.name}; the package ziglang brings one")
+        compilers[each.name] = compiler
+    built = {}
+    with tempfile.TemporaryDirectory(prefix="curvesqueal_") as temporary:
+        scratch = Path(temporary)
+        objects = lower(components, [p.triple for p in chosen], scratch)
+        for name, component in components.items():
+            own = {p: objects[name, p.triple] for p in chosen}
+            file = folder / f"{name}.fmu"
+            write_files(_content(component, fmi, own, compilers, version), file)
+            built[name] = file
+    return built
+
+
+def _content(
+    component: Component, fmi: int, objects: Mapping[Platform, Path], compilers: Mapping[str, Compiler], version: str
+) -> dict[str, bytes]:
+    """Return the files of an FMU by their names in it."""
+    sources = _sources(component, fmi, version)
+    content = {
+        **{f"sources/{name}": data for name, data in sources.items() if not name.endswith(".xml")},
+        "modelDescription.xml": sources["modelDescription.xml"],
+        "extra/org.curvesqueal/build.json": _build_description(component, fmi, objects, compilers),
+        **documentation_files(component, version, python=False),
+        **terminal_files(component),
+    }
+    with tempfile.TemporaryDirectory(prefix="curvesqueal_") as temporary:
+        folder = Path(temporary)
+        for source, data in sources.items():
+            (folder / source).write_bytes(data)
+        libraries: dict[Platform, bytes] = {}
+        for each, kernels in objects.items():
+            shutil.copyfile(kernels, folder / "kernels.o")
+            library = link(
+                compilers[each.name], each, [f"fmi{fmi}.c", "kernels.o"], component.name + each.suffix, folder
+            )
+            libraries[each] = library.read_bytes()
+    content.update(_binaries(component.name, fmi, libraries))
+    return content
+
+
+def _sources(component: Component, fmi: int, version: str) -> dict[str, bytes]:
+    """Return what the compiler reads, by file name, and modelDescription.xml."""
+    c = files(__package__).joinpath("c")
+    standard = Path(fmpy.__file__).parent / "c-code"
+    sources = {name: c.joinpath(name).read_bytes() for name in ("instance.h", f"fmi{fmi}.c")}
+    sources |= {name: (standard / name).read_bytes() for name in HEADERS[fmi]}
+    digest = hashlib.sha256(_kernel_text(component))
+    for name in sorted(sources):
+        digest.update(sources[name])
+    describe = model_description3 if fmi == 3 else _with_derivatives
+    root = describe(component, version, digest.hexdigest()[:16])
+    token = root.attrib["instantiationToken" if fmi == 3 else "guid"]
+    sources["component.h"] = component_header(component, fmi, token).encode()
+    sources["modelDescription.xml"] = tostring(root, "utf-8", xml_declaration=True)
+    return sources
+
+
+def _with_derivatives(component: Component, version: str, content: str) -> Element:
+    return model_description(component, version, content, derivatives=component.differentiable)
+
+
+def _kernel_text(component: Component) -> bytes:
+    """Return the Python sources that the kernels come from."""
+    return b"".join((PACKAGE / name).read_bytes() for name in kernel_files(component))
+
+
+def _build_description(
+    component: Component, fmi: int, objects: Mapping[Platform, Path], compilers: Mapping[str, Compiler]
+) -> bytes:
+    """Return how the binaries were made."""
+    data = {
+        "kernels": f"fmus.{component.kernels}, lowered by Numba and LLVM, baseline processor",
+        "kernels_sha256": hashlib.sha256(_kernel_text(component)).hexdigest(),
+        "versions": {name: version_of(name) for name in ("numba", "llvmlite", "curvesqueal")},
+        "python": host.python_version(),
+        "entry_points": f"sources/fmi{fmi}.c",
+        "flags": " ".join(FLAGS),
+        "compilers": {p.name: compilers[p.name].name for p in objects},
+    }
+    return json.dumps(data, indent=1, sort_keys=True).encode()
+
+
+def _binaries(name: str, fmi: int, libraries: Mapping[Platform, bytes]) -> dict[str, bytes]:
+    """Return the libraries by their places in the FMU; for FMI 2 those of macOS are one universal file."""
+    if fmi == 3:
+        return {f"binaries/{p.name}/{name}{p.suffix}": data for p, data in libraries.items()}
+    found = {
+        f"binaries/{p.fmi2_folder}/{name}{p.suffix}": data for p, data in libraries.items() if p.suffix != ".dylib"
+    }
+    apple = {p.name: data for p, data in libraries.items() if p.suffix == ".dylib"}
+    if apple:
+        found[f"binaries/darwin64/{name}.dylib"] = universal(apple) if len(apple) > 1 else next(iter(apple.values()))
+    return found
+
+
+_CPU = {"x86_64-darwin": (0x01000007, 3), "aarch64-darwin": (0x0100000C, 0)}
+_ALIGNMENT = 14
+
+
+def universal(libraries: Mapping[str, bytes]) -> bytes:
+    """Return one Mach-O file of libraries for several architectures: Apple's "fat" format, big-endian header."""
+    header = struct.pack(">II", 0xCAFEBABE, len(libraries))
+    body = b""
+    place = -(-(len(header) + 20 * len(libraries)) // (1 << _ALIGNMENT)) << _ALIGNMENT
+    begin = place
+    for platform, data in sorted(libraries.items()):
+        header += struct.pack(">IIIII", *_CPU[platform], place, len(data), _ALIGNMENT)
+        padded = -(-len(data) // (1 << _ALIGNMENT)) << _ALIGNMENT
+        body += data.ljust(padded, b"\0")
+        place += padded
+    return header.ljust(begin, b"\0") + body

@@ -1,0 +1,72 @@
+"""A component's declaration in, the C header with its tables out."""
+
+from __future__ import annotations
+
+import json
+
+from ...component import Component, Instance, Variable
+from ..arrays import arrays
+
+CAUSALITY = {
+    "parameter": "PARAMETER",
+    "calculatedParameter": "CALCULATED",
+    "local": "LOCAL",
+    "input": "INPUT",
+    "output": "OUTPUT",
+}
+
+
+def component_header(component: Component, fmi: int, token: str) -> str:
+    """Return component.h, which instance.h includes.
+
+    Parameters
+    ----------
+    component : Component
+    fmi : major FMI version; in 3, value references count arrays and the time is a variable
+    token : guid or instantiation token
+    """
+    instance = Instance(component)
+    rows = [_row(v, place) for v, place in zip(component.variables, instance.places(), strict=True)]
+    if fmi == 2:
+        first = list(range(len(rows) + 1))
+    else:
+        first = [*(group.first for group in arrays(component)), len(rows), len(rows) + 1]
+        rows.append('{"time", "s", 0.0, 0.0, 0.0, MEMORY_SIZE, INDEPENDENT, REAL, 0}')
+    sizes = [a.size for a in (instance.parameters, instance.derived, instance.state)]
+    numbers = {
+        "MEMORY_SIZE": sum(sizes) + instance.inputs.size + instance.outputs.size,
+        "N_INPUTS": instance.inputs.size,
+        "INPUTS_PLACE": sum(sizes),
+        "N_OUTPUTS": instance.outputs.size,
+        "OUTPUTS_PLACE": sum(sizes) + instance.inputs.size,
+        "N_VARIABLES": len(rows),
+        "N_REFERENCES": len(first) - 1,
+        "HAS_DERIVATIVES": int(component.differentiable),
+    }
+    lines = [
+        "/* Generated from the declaration of the component. */",
+        f"#define TOKEN {json.dumps(token)}",
+        *(f"#define {name} {number}" for name, number in numbers.items()),
+        "static const Variable variables[N_VARIABLES] = {",
+        *(f"    {row}," for row in rows),
+        "};",
+        "/* Variables first_variable[r] to first_variable[r + 1] - 1 have the value reference r. */",
+        "static const uint32_t first_variable[N_REFERENCES + 1] = {" + ", ".join(map(str, first)) + "};",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _row(variable: Variable, place: int) -> str:
+    """Return the initialiser of one variable."""
+    start = 0.0 if variable.start is None else variable.start
+    limits = [_number(x) for x in (start, variable.minimum, variable.maximum)]
+    names = [json.dumps(variable.name), json.dumps("" if variable.unit == "1" else variable.unit)]
+    kinds = [CAUSALITY[variable.causality], variable.kind.upper(), str(int(variable.tunable))]
+    return "{" + ", ".join([*names, *limits, str(place), *kinds]) + "}"
+
+
+def _number(value: float) -> str:
+    """Return a number as C has it, without loss."""
+    if value in (float("inf"), float("-inf")):
+        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
+    return repr(float(value))
