@@ -16,13 +16,13 @@ from orchestrator.acoustics import REFERENCE_PRESSURE, sound_of
 from orchestrator.limit_cycle import growth_of, limit_cycle
 from orchestrator.results import open_results
 from orchestrator.run_model import model_of
-from orchestrator.running import run_scenario
+from orchestrator.running import Report, run_scenario
 from orchestrator.scenario import Scenario
 from orchestrator.sound import pressure_of, write_wav
 from orchestrator.spectra import a_weighted, level, narrow_band, third_octaves
 
 folder = Path(mkdtemp())
-outcome = run_scenario(Scenario("case1", duration=0.5, seed=0), folder)
+outcome = run_scenario(Scenario("case1", duration=0.5, seed=0), folder, Report())
 
 # %% [markdown]
 # The results are an xarray dataset: every signal has a name, a unit and a description.

@@ -1,1 +1,24 @@
-"""The master: reads a system, loads its FMUs, couples them at a fixed step, and says what came out."""
+"""The master: reads a system, loads its FMUs, couples them at a fixed step, and says what came out.
+
+As a library it is `load`, `simulate` and `resume`; see `orchestrator.library`.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from .errors import InputError, SimulationError
+
+if TYPE_CHECKING:
+    from .library import load, resume, simulate
+    from .master import Progress
+    from .outcome import Outcome
+    from .scenario import Scenario
+
+__all__ = ["InputError", "Outcome", "Progress", "Scenario", "SimulationError", "load", "resume", "simulate"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the library on first use: what needs only a part of the package starts fast."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(".library", __name__), name)

@@ -10,6 +10,7 @@ import tempfile
 import zipfile
 from pathlib import Path, PurePosixPath
 
+from lxml import etree
 from platformdirs import user_cache_path
 
 from .errors import InputError
@@ -19,6 +20,12 @@ LARGEST_CONTENT = 2 << 30
 
 LARGEST_COUNT = 20_000
 """Largest number of files in an archive."""
+
+LARGEST_RATIO = 100
+"""Largest ratio of unpacked to packed size of an archive that unpacks to more than `SUSPICIOUS_CONTENT`."""
+
+SUSPICIOUS_CONTENT = 64 << 20
+"""Unpacked size up to which the ratio does not matter [bytes]."""
 
 
 def sha256(path: Path) -> str:
@@ -52,10 +59,14 @@ def unpack(path: Path, what: str) -> Path:
         with zipfile.ZipFile(path) as archive:
             _check_entries(archive, path)
             archive.extractall(temporary)
-    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError) as error:
-        shutil.rmtree(temporary, ignore_errors=True)
-        raise InputError(f"{path}: cannot be unpacked: {error}") from None
+        _check_description(temporary, path)
     except InputError:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+    except Exception as error:  # a damaged archive makes zipfile and the decompressors raise whatever they like
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise InputError(f"{path}: cannot be unpacked: {error or type(error).__name__}") from None
+    except BaseException:
         shutil.rmtree(temporary, ignore_errors=True)
         raise
     try:
@@ -80,16 +91,42 @@ def cache_folder() -> Path:
 
 
 def _check_entries(archive: zipfile.ZipFile, path: Path) -> None:
-    """Refuse absolute names, names with `..`, links, and contents that are too large."""
+    """Refuse absolute names, names with `..`, names that come twice, links, and contents that are too large."""
     entries = archive.infolist()
     if len(entries) > LARGEST_COUNT:
         raise InputError(f"{path}: holds {len(entries)} files; at most {LARGEST_COUNT} are accepted")
+    names: set[str] = set()
     for entry in entries:
         name = PurePosixPath(entry.filename.replace("\\", "/"))
-        if name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
+        if not name.parts or name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
             raise InputError(f"{path}: entry {entry.filename!r} would be unpacked outside the folder; refused")
-        if stat.S_ISLNK(entry.external_attr >> 16):
-            raise InputError(f"{path}: entry {entry.filename!r} is a link; refused")
+        if str(name) in names:
+            raise InputError(f"{path}: holds two entries {entry.filename!r}; refused")
+        names.add(str(name))
+        kind = stat.S_IFMT(entry.external_attr >> 16)
+        if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
+            what = "a link" if kind == stat.S_IFLNK else "no file"
+            raise InputError(f"{path}: entry {entry.filename!r} is {what}; refused")
     total = sum(entry.file_size for entry in entries)
     if total > LARGEST_CONTENT:
         raise InputError(f"{path}: unpacks to {total / 2**30:.1f} GiB; at most {LARGEST_CONTENT >> 30} are accepted")
+    ratio = total / path.stat().st_size
+    if total > SUSPICIOUS_CONTENT and ratio > LARGEST_RATIO:
+        raise InputError(
+            f"{path}: unpacks to {total / 2**20:.0f} MiB, {ratio:.0f} times its size; at most {LARGEST_RATIO} times is "
+            "accepted"
+        )
+
+
+def _check_description(folder: Path, path: Path) -> None:
+    """Refuse a model description with a document type declaration, and so with entities, before anybody reads it."""
+    file = folder / "modelDescription.xml"
+    if not file.is_file():
+        return
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        document = etree.parse(file, parser)
+    except etree.XMLSyntaxError:
+        return  # whoever opens the FMU says what is wrong with it
+    if document.docinfo.internalDTD is not None:
+        raise InputError(f"{path}: modelDescription.xml has a document type declaration; refused")

@@ -5,20 +5,26 @@ Everything that can be wrong with a system before the first call is found here.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from difflib import get_close_matches
-
-from fmpy.model_description import ScalarVariable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from fmus.interface import DIRECTIONS, PAIRS, STRUCTURES
 
 from .algorithms import Coupling
 from .errors import InputError
 from .fmu import Fmu, Value, open_fmu
-from .system import Element, Parameter, System, Wire
-from .units import conversion
+from .system import Element, System, Wire
+from .system_values import component_values, elements_of, known, through, variable_unit
+
+_INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
+"""Types of FMI 3.0 and SSP 2.0 that earlier versions call otherwise."""
+
+CONNECTABLE = {
+    *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
+    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"),
+}  # fmt: skip
+"""Types of an output and of the input that it may feed."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,8 @@ class Assembly:
     links : connections, one per connected input
     bonds : power bonds of the wheel/rail contract that the system has
     contact : component that takes interface mobilities, None if there is none
+    notices : what a user should know before a run, one sentence each
+    outputs : outputs of the system itself, each with its conversion from a component's
     """
 
     system: System
@@ -66,6 +74,8 @@ class Assembly:
     links: tuple[Link, ...]
     bonds: tuple[Bond, ...]
     contact: str | None
+    notices: tuple[str, ...] = ()
+    outputs: tuple[Link, ...] = ()
 
     def coupling(self) -> Coupling:
         """Return what the master algorithms need to know."""
@@ -75,35 +85,75 @@ class Assembly:
         return Coupling(
             feeds={name: frozenset(sources) for name, sources in feeds.items()},
             feedthrough={name: fmu.has_feedthrough() for name, fmu in self.fmus.items()},
+            told=self.system.stages,
         )
 
 
-def assemble(system: System) -> Assembly:
-    """Open the FMUs of a system and check everything against them.
+def open_fmus(system: System) -> dict[str, Fmu]:
+    """Return the FMUs of a system by component."""
+    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+
+
+def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
+    """Check everything in a system against its FMUs.
+
+    An input that nothing feeds keeps its start value, as SSP and FMI have it; a notice says so unless the system or the
+    user gives the value.
+
+    Parameters
+    ----------
+    fmus : the FMUs of the system, if they are open already
 
     Raises
     ------
     InputError
-        For an unknown variable, a connection that cannot be, units that do not match, an input that nothing feeds, or
-        a parameter that cannot be set.
+        For an unknown variable, a connection that cannot be, units that do not match, or a parameter that cannot be
+        set.
     """
     if not system.elements:
         raise InputError(f"{system.path}: the system has no components")
-    fmus = {name: open_fmu(element.source) for name, element in system.elements.items()}
-    links = tuple(_link(wire, system, fmus) for wire in system.wires)
-    _check_inputs(links, fmus)
-    parameters = {name: _parameters(element, fmus[name]) for name, element in system.elements.items()}
+    fmus = open_fmus(system) if fmus is None else fmus
+    for name, element in system.elements.items():
+        _check_connectors(element, fmus[name])
+    links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
+    _check_inputs(links)
+    values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
+    parameters = {name: v.values for name, v in values.items()}
+    passed_over = (notice for v in values.values() for notice in v.notices)
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
-    return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact)
+    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters))
+    outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
+    return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
 
 
-def _known(name: str, fmu: Fmu, where: str) -> None:
-    """Raise InputError unless the FMU has a variable of this name."""
-    if name not in fmu.variables:
-        close = get_close_matches(name, fmu.variables, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
-        raise InputError(f"{where}: {fmu.path.name} has no variable {name!r}{hint}")
+def _check_connectors(element: Element, fmu: Fmu) -> None:
+    """Raise InputError if the SSD says of a connector what is not true of the FMU's variable."""
+    for name, connector in element.connectors.items():
+        if name not in fmu.variables:
+            continue  # another FMU may stand here; a connection to it is refused
+        variable = fmu.variables[name]
+        if connector.kind not in (variable.causality, "inout", "unspecified"):
+            raise InputError(
+                f"connector {element.name}.{name}: is {connector.kind} in the SSD and {variable.causality} in the FMU"
+            )
+        told, own = (_TYPES.get(str(t), str(t)) for t in (connector.type, variable.type))
+        if connector.type is not None and told != own:
+            raise InputError(
+                f"connector {element.name}.{name}: is {connector.type} in the SSD and {variable.type} in the FMU"
+            )
+
+
+def _by_element(wire: Wire, fmus: Mapping[str, Fmu]) -> Iterable[Wire]:
+    """Return the connections of the elements of two arrays of one shape, or the connection itself."""
+    start = elements_of(wire.start_connector, fmus[wire.start_element])
+    end = elements_of(wire.end_connector, fmus[wire.end_element])
+    if not start or not end:
+        return [wire]
+    if [n.removeprefix(wire.start_connector) for n in start] != [n.removeprefix(wire.end_connector) for n in end]:
+        raise InputError(f"connection {wire}: {start[0]} to {start[-1]} on {end[0]} to {end[-1]}; shapes must agree")
+    pairs = zip(start, end, strict=True)
+    return [replace(wire, start_connector=s, end_connector=e) for s, e in pairs]
 
 
 def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
@@ -111,91 +161,47 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     where = f"connection {wire}"
     ends = ((wire.start_element, wire.start_connector), (wire.end_element, wire.end_connector))
     for element, connector in ends:
-        _known(connector, fmus[element], where)
-        kind = fmus[element].variables[connector].type
-        if kind != "Real":
-            raise InputError(f"{where}: {element}.{connector} is of type {kind}; only Real can be connected")
+        known(connector, fmus[element], where)
     start = fmus[wire.start_element].variables[wire.start_connector]
     end = fmus[wire.end_element].variables[wire.end_connector]
-    if start.causality not in ("output", "calculatedParameter", "parameter"):
+    if start.causality != "output":
         raise InputError(f"{where}: {wire.start_element}.{wire.start_connector} is no output but {start.causality}")
     if end.causality != "input":
         raise InputError(f"{where}: {wire.end_element}.{wire.end_connector} is no input but {end.causality}")
-    units = [_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
-    factor, shift = conversion(units[0], units[1], where)
-    return Link(wire, wire.factor * factor, wire.factor * shift + wire.offset)
+    if (start.type, end.type) not in CONNECTABLE:
+        raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
+    units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
+    return Link(wire, *through(wire.hops, units[0], units[1], where))
 
 
-def _unit(element: Element, fmu: Fmu, connector: str, where: str) -> str | None:
-    """Return the unit of a connector; what SSD and FMU say must agree."""
-    own, told = fmu.unit(connector), element.units.get(connector)
-    if own is not None and told is not None and own != told:
-        factor, offset = conversion(told, own, f"{where}: {element.name}.{connector}, SSD against FMU")
-        if (factor, offset) != (1.0, 0.0):
-            raise InputError(f"{where}: {element.name}.{connector} is in {own} in the FMU and in {told} in the SSD")
-    return own or told
+def _output(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
+    """Check an output of the system and find its conversion."""
+    where, name = f"connection {wire}", wire.start_element
+    known(wire.start_connector, fmus[name], where)
+    unit = variable_unit(system.elements[name], fmus[name], wire.start_connector, where)
+    return Link(wire, *through(wire.hops, unit, wire.hops[-1].unit, where))
 
 
-def _check_inputs(links: tuple[Link, ...], fmus: Mapping[str, Fmu]) -> None:
-    """Raise InputError for an input that nothing, or more than one output, feeds."""
+def _check_inputs(links: Iterable[Link]) -> None:
+    """Raise InputError for an input that more than one output feeds."""
     fed: set[tuple[str, str]] = set()
     for link in links:
         key = (link.wire.end_element, link.wire.end_connector)
         if key in fed:
             raise InputError(f"input {key[0]}.{key[1]} is fed by two connections")
         fed.add(key)
+
+
+def _held_inputs(
+    links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
+) -> Iterable[str]:
+    """Yield a notice for each input that neither a connection nor a value reaches."""
+    fed = {(link.wire.end_element, link.wire.end_connector) for link in links}
     for name, fmu in fmus.items():
         for variable in fmu.names("input"):
-            if fmu.variables[variable].type == "Real" and (name, variable) not in fed:
-                raise InputError(f"input {name}.{variable} of {fmu.path.name} is connected to nothing")
-
-
-def _parameters(element: Element, fmu: Fmu) -> dict[str, Value]:
-    """Return the parameter values of a component, checked and in the FMU's units."""
-    values: dict[str, Value] = {}
-    for name, parameter in element.parameters.items():
-        where = f"parameter {element.name}.{name}"
-        _known(name, fmu, where)
-        variable = fmu.variables[name]
-        if variable.causality not in ("parameter", "input"):
-            raise InputError(f"{where}: is no parameter but {variable.causality}")
-        value = _convert(parameter, variable.type, fmu.unit(name), where)
-        if variable.type in ("Real", "Integer"):
-            _check_range(float(value), variable, f"{where} = {value:g}")
-        values[name] = value
-    return values
-
-
-def _check_range(value: float, variable: ScalarVariable, where: str) -> None:
-    """Raise InputError if a value is not finite or outside the range that the FMU declares."""
-    low = -math.inf if variable.min is None else float(variable.min)
-    high = math.inf if variable.max is None else float(variable.max)
-    if not math.isfinite(value) or not low <= value <= high:
-        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
-        raise InputError(f"{where}: must be in the range {low:g} to {high:g}{unit}")
-
-
-def _convert(parameter: Parameter, kind: str, unit: str | None, where: str) -> Value:
-    """Return a value as the type of the variable wants it."""
-    value = parameter.value
-    if kind == "String":
-        return str(value)
-    if kind == "Boolean":
-        words = {"true": True, "1": True, "false": False, "0": False}
-        found = words.get(str(value).lower())
-        if found is None:
-            raise InputError(f"{where} = {value}: must be true or false")
-        return found
-    try:
-        number = float(value)
-    except ValueError:
-        raise InputError(f"{where} = {value}: must be a number") from None
-    if kind in ("Integer", "Enumeration"):
-        if number != int(number):
-            raise InputError(f"{where} = {value}: must be a whole number")
-        return int(number)
-    factor, offset = conversion(parameter.unit, unit, where)
-    return factor * number + offset
+            if (name, variable) not in fed and variable not in parameters[name]:
+                start = fmu.variables[variable].start
+                yield f"input {name}.{variable} of {fmu.path.name} is connected to nothing; it stays at {start}"
 
 
 def _bonds(links: tuple[Link, ...], contact: str | None) -> list[Bond]:

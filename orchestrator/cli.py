@@ -22,13 +22,19 @@ from . import master, report_commands, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
 from .competition_commands import competition
+from .coupling_commands import coupling
 from .errors import InputError, SimulationError
+from .export_commands import export
+from .outcome import Outcome, as_json
 from .rail_commands import check, rail_app
 from .recording import patterns
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
 from .sound_commands import listen
 from .stability_commands import stability, table4
 from .wheel_commands import wheel_app
+
+Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
+CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between checkpoints [s].")]
 
 app = typer.Typer(
     name="curvesqueal",
@@ -97,8 +103,12 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
-    csv: Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")] = False,
     parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
+    timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
+    csv: Csv = False,
+    checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
+    checkpoint_every: CheckpointEvery = running.Keeping.every,
     json: Json = False,
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
@@ -115,11 +125,31 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         seed=seed,
         record_every=record_every,
         record=patterns(record),
+        timeout=timeout if isolate else None,
     )
-    with _progress_bar() as report:
-        outcome = running.run_scenario(scenario, out, csv, report, _notice, parquet)
+    keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
+    with _progress_bar() as progress:
+        outcome = running.run_scenario(scenario, out, running.Report(progress, _notice, csv, parquet=parquet), keeping)
+    _tell(outcome, json)
+
+
+@app.command()
+def resume(
+    checkpoint: Annotated[Path, typer.Argument(help="File that `run --checkpoint` wrote.")],
+    csv: Csv = False,
+    checkpoint_every: CheckpointEvery = running.Keeping.every,
+    json: Json = False,
+) -> None:
+    """Go on with a run from its checkpoint, to the bit as if it had never stopped; the results file grows."""
+    with _progress_bar() as progress:
+        outcome = running.resume(checkpoint, running.Report(progress, _notice, csv), checkpoint_every)
+    _tell(outcome, json)
+
+
+def _tell(outcome: Outcome, json: bool) -> None:
+    """Print what came out; an early end is an error or, where it was asked for, exit code 130."""
     if json:
-        typer.echo(running.as_json(outcome))
+        typer.echo(as_json(outcome))
     else:
         _show(outcome)
     if outcome.error is not None:
@@ -157,7 +187,7 @@ def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
         yield report
 
 
-def _show(outcome: running.Outcome) -> None:
+def _show(outcome: Outcome) -> None:
     """Print the table of a run."""
     s, p = outcome.summary, outcome.progress
     time = p.steps * outcome.settings.step
@@ -179,6 +209,8 @@ def _show(outcome: running.Outcome) -> None:
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
         "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        "spurious growth": outcome.spurious.sentence,
+        **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
         "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
         "results": str(outcome.results),
@@ -232,6 +264,8 @@ def friction(
 app.add_typer(rail_app, name="rail")
 app.add_typer(wheel_app, name="wheel")
 app.command()(check)
+app.command()(export)
+app.command()(coupling)
 app.command()(stability)
 app.command()(table4)
 app.command()(listen)

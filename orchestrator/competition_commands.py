@@ -42,7 +42,7 @@ def competition(  # noqa: PLR0913, PLR0917 - one argument per option
     """
     from .competition import compete, plan  # noqa: PLC0415 - loads scipy
     from .figures import draw_competition  # noqa: PLC0415
-    from .running import stop_on_signals  # noqa: PLC0415
+    from .stopping import stop_on_signals  # noqa: PLC0415
 
     trials = [
         replace(trial, duration=duration, step=step)

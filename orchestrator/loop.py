@@ -3,41 +3,64 @@
 Numba calls the FMI functions by address, so a step costs no Python. What happens in a step is data: a list of stages,
 each a list of components. In a stage every component first gets its inputs from the latest outputs, then all make
 their step, then all give their outputs. One stage with everybody is the Jacobi scheme; structures first and the
-contact second is the staggered scheme.
+contact second is the staggered scheme. An iteration repeats the stages from the state before the step.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
+from numba import njit
 
-OK, SET, STEP, GET, NOT_FINITE = range(5)
-"""What `advance` was doing when it stopped: nothing wrong, setting inputs, stepping, getting outputs, checking."""
+from .loop_calls import call_state, call_step_2, call_step_3, call_values_2, call_values_3, pack, unpack
+
+OK, SET, STEP, GET, NOT_FINITE, SAVE, RESTORE, NOT_CONVERGED = range(8)
+"""What `advance` was doing when it stopped; OK: nothing wrong."""
+
+ENDED = 6
+"""In the place of an FMI status: the component asks to end the simulation."""
+
+Transfers = namedtuple(
+    "Transfers",
+    [
+        "begin",  # (components + 1,) positions in `function`
+        "function",  # (t,) addresses of the set or get functions
+        "layout",  # (t,) data types of the values, positions in `loop_calls.LAYOUTS`
+        "reference_begin",  # (t + 1,) positions in `reference`
+        "value_begin",  # (t + 1,) positions in `u` or `y`
+        "reference",  # (r,) value references, uint32
+    ],
+)
+"""The calls that set the inputs or get the outputs: one per component and type of variable."""
 
 Plan = namedtuple(
     "Plan",
     [
         "stage_begin",  # (stages + 1,) positions in `order`
         "order",  # (components,) components, stage by stage
-        "handle",  # (components,) fmi2Component pointers
-        "set_real",  # (components,) addresses of fmi2SetReal
-        "get_real",  # (components,) addresses of fmi2GetReal
-        "do_step",  # (components,) addresses of fmi2DoStep
-        "input_begin",  # (components + 1,) positions in `u`
-        "output_begin",  # (components + 1,) positions in `y`
-        "input_reference",  # (inputs,) value references, uint32
-        "output_reference",  # (outputs,) value references, uint32
+        "handle",  # (components,) pointers to the instances
+        "version",  # (components,) major version of FMI
+        "period",  # (components,) communication steps that one step of a component takes
+        "do_step",  # (components,) addresses of the functions that make a step
+        "get_state",  # (components,) addresses of the functions that get the state
+        "set_state",  # (components,) addresses of the functions that set the state
+        "state",  # (components,) pointers to the states before the step
+        "answer",  # (components, 2) what FMI 3.0 answers to a step: three flags and a time
+        "inputs",  # Transfers
+        "outputs",  # Transfers
         "u",  # (inputs,) values that the components hold
         "y",  # (outputs,) latest outputs
         "source",  # (inputs,) position in `y` of what feeds an input
         "gain",  # (inputs,) factor of the connection
         "offset",  # (inputs,) offset of the connection
+        "share",  # (inputs,) share of the end of the step in what a component gets over it; 1: the latest
+        "u_before",  # (inputs,) values at the start of the step
+        "u_last",  # (inputs,) values of the sweep before
+        "u_scale",  # (inputs, 2) nominal size, largest size so far
+        "sweeps",  # (4,) most sweeps per step, sweeps made, most in a step, input that converges last
+        "tolerance",  # (1,) change at which a sweep is the last, relative to the size
+        "scratch",  # (longest transfer,) for values that are not doubles
         "bond_force",  # (bonds,) positions in `u` of forces on structures
         "bond_velocity",  # (bonds,) positions in `y` of the velocities that belong to them
         "bond_row",  # (bonds,) row of `energy` that a bond counts in
@@ -47,82 +70,141 @@ Plan = namedtuple(
 """Everything that the loop reads and writes, resolved to indices before the run."""
 
 
-@intrinsic
-def _call_reals(typing_context, address, handle, references, count, values):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Call fmi2SetReal or fmi2GetReal at `address`; return its status."""
-    signature = types.int32(types.intp, types.intp, types.intp, types.intp, types.intp)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:  # noqa: ARG001
-        word = cgutils.intp_t
-        function_type = ir.FunctionType(ir.IntType(32), [word, word, word, word])
-        pointer = builder.inttoptr(arguments[0], function_type.as_pointer())
-        return builder.call(pointer, list(arguments[1:]))
-
-    return signature, generate
-
-
-@intrinsic
-def _call_step(typing_context, address, handle, time, step):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Call fmi2DoStep at `address`; return its status."""
-    signature = types.int32(types.intp, types.intp, types.float64, types.float64)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:  # noqa: ARG001
-        word = cgutils.intp_t
-        function_type = ir.FunctionType(ir.IntType(32), [word, ir.DoubleType(), ir.DoubleType(), ir.IntType(32)])
-        pointer = builder.inttoptr(arguments[0], function_type.as_pointer())
-        return builder.call(pointer, [*arguments[1:], ir.Constant(ir.IntType(32), 1)])
-
-    return signature, generate
+@njit(cache=True)
+def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untyped-def]
+    """Set or get the variables of transfer `t` of component `c`; return the FMI status."""
+    first = transfers.reference_begin[t]
+    count = transfers.reference_begin[t + 1] - first
+    begin = transfers.value_begin[t]
+    size = transfers.value_begin[t + 1] - begin
+    function = transfers.function[t]
+    references = transfers.reference.ctypes.data + 4 * first
+    layout = transfers.layout[t]
+    if layout == 0:
+        address = values.ctypes.data + 8 * begin
+    else:
+        address = plan.scratch.ctypes.data
+        if setting:
+            pack(layout, plan.scratch, values[begin : begin + size])
+    status: int
+    if plan.version[c] == 2:
+        status = call_values_2(function, plan.handle[c], references, count, address)  # type: ignore[call-arg]
+    else:
+        status = call_values_3(function, plan.handle[c], references, count, address, size)  # type: ignore[call-arg]
+    if layout != 0 and not setting:
+        unpack(layout, plan.scratch, values[begin : begin + size])
+    return status
 
 
 @njit(cache=True)
 def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
     """Bring the inputs of component `c` up to date with the latest outputs and set them; return the FMI status."""
-    begin = plan.input_begin[c]
-    end = plan.input_begin[c + 1]
-    if begin == end:
-        return 0
-    for i in range(begin, end):
-        plan.u[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
-    references = plan.input_reference.ctypes.data + 4 * begin
-    values = plan.u.ctypes.data + 8 * begin
-    return _call_reals(plan.set_real[c], plan.handle[c], references, end - begin, values)  # type: ignore[call-arg]
+    transfers = plan.inputs
+    worst = 0
+    for t in range(transfers.begin[c], transfers.begin[c + 1]):
+        for i in range(transfers.value_begin[t], transfers.value_begin[t + 1]):
+            latest = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+            share = plan.share[i]
+            plan.u[i] = latest if share == 1.0 else (1.0 - share) * plan.u_before[i] + share * latest
+        worst = max(worst, _exchange(plan, transfers, t, c, plan.u, True))
+    return worst
 
 
 @njit(cache=True)
 def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
     """Get the outputs of component `c`; return the FMI status."""
-    begin = plan.output_begin[c]
-    end = plan.output_begin[c + 1]
-    if begin == end:
-        return 0
-    references = plan.output_reference.ctypes.data + 4 * begin
-    values = plan.y.ctypes.data + 8 * begin
-    return _call_reals(plan.get_real[c], plan.handle[c], references, end - begin, values)  # type: ignore[call-arg]
+    transfers = plan.outputs
+    worst = 0
+    for t in range(transfers.begin[c], transfers.begin[c + 1]):
+        worst = max(worst, _exchange(plan, transfers, t, c, plan.y, False))
+    return worst
 
 
 @njit(cache=True)
-def _step(plan, time, h):  # type: ignore[no-untyped-def]
-    """Advance all components by one step; return what was done last, by which component, and the FMI status."""
+def _do_step(plan, c, number, start, h):  # type: ignore[no-untyped-def]
+    """Let component `c` make the step that ends with step `number`; return the FMI status, or `ENDED`."""
+    step = plan.period[c] * h
+    begin = start + (number + 1 - plan.period[c]) * h
+    final = 1 if plan.sweeps[0] == 1 else 0  # whether the state before the step will not be asked for again
+    if plan.version[c] == 2:
+        return call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
+    answer = plan.answer.ctypes.data + 16 * c
+    status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
+    return ENDED if status <= 1 and plan.answer[c].view(np.uint8)[1] != 0 else status
+
+
+@njit(cache=True)
+def _sweep(plan, number, start, h):  # type: ignore[no-untyped-def]
+    """Let all components make step `number`; return what was done last, by which component, and the FMI status."""
     for s in range(plan.stage_begin.size - 1):
-        begin = plan.stage_begin[s]
-        end = plan.stage_begin[s + 1]
-        for k in range(begin, end):
-            c = plan.order[k]
-            status = _set_inputs(plan, c)
-            if status > 1:
-                return SET, c, status
-        for k in range(begin, end):
-            c = plan.order[k]
-            status = _call_step(plan.do_step[c], plan.handle[c], time, h)  # type: ignore[call-arg]
-            if status > 1:
-                return STEP, c, status
-        for k in range(begin, end):
-            c = plan.order[k]
-            status = _get_outputs(plan, c)
-            if status > 1:
-                return GET, c, status
+        for what in (SET, STEP, GET):
+            for k in range(plan.stage_begin[s], plan.stage_begin[s + 1]):
+                c = plan.order[k]
+                if (number + 1) % plan.period[c] != 0:
+                    continue
+                if what == SET:
+                    status = _set_inputs(plan, c)
+                elif what == STEP:
+                    status = _do_step(plan, c, number, start, h)
+                else:
+                    status = _get_outputs(plan, c)
+                if status > 1:
+                    return what, c, status
     return OK, 0, 0
+
+
+@njit(cache=True)
+def _states(plan, functions, saving):  # type: ignore[no-untyped-def]
+    """Get or set the states of all components; return what was done last, by which component, and the FMI status."""
+    for c in range(plan.handle.size):
+        argument = plan.state.ctypes.data + 8 * c if saving else plan.state[c]
+        status: int = call_state(functions[c], plan.handle[c], argument)  # type: ignore[call-arg]
+        if status > 1:
+            return (SAVE if saving else RESTORE), c, status
+    return OK, 0, 0
+
+
+@njit(cache=True)
+def _change(plan):  # type: ignore[no-untyped-def]
+    """Return the largest change of an input since the last sweep, as a share of the tolerance; remember the values."""
+    largest = 0.0
+    for i in range(plan.u.size):
+        value = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+        size = max(plan.u_scale[i, 1], abs(value))
+        plan.u_scale[i, 1] = size
+        change = abs(value - plan.u_last[i])
+        allowed = plan.tolerance[0] * (plan.u_scale[i, 0] + size)
+        if change > largest * allowed:
+            largest = change / allowed
+            plan.sweeps[3] = i
+        plan.u_last[i] = value
+    return largest
+
+
+@njit(cache=True)
+def _step(plan, number, start, h):  # type: ignore[no-untyped-def]
+    """Make step `number`, in as many sweeps as the algorithm wants; return as `_sweep` does."""
+    if plan.sweeps[0] == 1:
+        return _sweep(plan, number, start, h)
+    for i in range(plan.u.size):
+        plan.u_before[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+        plan.u_last[i] = plan.u_before[i]
+    what, c, status = _states(plan, plan.get_state, True)
+    if what != OK:
+        return what, c, status
+    for sweep in range(1, plan.sweeps[0] + 1):
+        if sweep > 1:
+            what, c, status = _states(plan, plan.set_state, False)
+            if what != OK:
+                return what, c, status
+        what, c, status = _sweep(plan, number, start, h)
+        if what != OK:
+            return what, c, status
+        if _change(plan) <= 1.0:
+            plan.sweeps[1] += sweep
+            plan.sweeps[2] = max(plan.sweeps[2], sweep)
+            return OK, 0, 0
+    return NOT_CONVERGED, plan.sweeps[3], 0
 
 
 @njit(cache=True)
@@ -151,14 +233,14 @@ def advance(plan, clock, steps, every, record):  # type: ignore[no-untyped-def]
     Returns
     -------
     done, rows : numbers of steps made and of rows recorded
-    what, component, status : what went wrong (OK, SET, STEP, GET, NOT_FINITE), where (a component, or for NOT_FINITE
-        the position in `y`), FMI status
+    what, where, status : what went wrong (OK, SET, STEP, ...), where (a component; for NOT_FINITE the position in `y`,
+        for NOT_CONVERGED that in `u`), FMI status
     """
     start, h, first = clock
     rows = 0
     outputs = plan.y.size
     for k in range(steps):
-        what, component, status = _step(plan, start + (first + k) * h, h)
+        what, component, status = _step(plan, first + k, start, h)
         if what != OK:
             return k, rows, what, component, status
         _count_energy(plan, h)

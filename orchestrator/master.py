@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -11,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import loop, recording
-from .algorithms import stages
+from .algorithms import find_algorithm, stages
 from .assembly import Assembly
 from .errors import InputError, SimulationError
 from .fmu import STATUS, FmuInstance, Value
 from .mobility import contact_mobility, with_step
+from .plan import Wiring, make_plan, transfers
+from .rates import period
 from .results import ResultsFile
 
 Rows = NDArray[np.float64]
@@ -35,6 +38,7 @@ class Settings:
     algorithm : name of the master algorithm
     record_every : record after every this many steps
     record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
+    timeout : time that a call of an FMU may take, each FMU in a process of its own [s]; None: all in this process
     """
 
     step: float
@@ -42,6 +46,7 @@ class Settings:
     algorithm: str = "staggered"
     record_every: int = 4
     record: tuple[str, ...] | None = None
+    timeout: float | None = None
 
     def __post_init__(self) -> None:
         """Check the values."""
@@ -49,8 +54,11 @@ class Settings:
             raise InputError(f"step = {self.step:g} s: must be > 0")
         if not self.step <= self.duration < np.inf:
             raise InputError(f"duration = {self.duration:g} s: must be at least one step of {self.step:g} s")
+        find_algorithm(self.algorithm)
         if self.record_every < 1:
             raise InputError(f"record_every = {self.record_every}: must be >= 1")
+        if self.timeout is not None and not 0 < self.timeout < np.inf:
+            raise InputError(f"timeout = {self.timeout:g} s: must be > 0")
 
     @property
     def steps(self) -> int:
@@ -70,6 +78,8 @@ class Progress:
     energy_residual : energy that the scheme adds, by direction [J]
     energy_into_structures : energy that went through the bonds, by direction [J]
     stopped : whether a stop was requested before the end
+    sweeps : how often a step was made on average until its values converged; 1 without iteration
+    most_sweeps : the same for the step that took most
     """
 
     total: int
@@ -78,6 +88,8 @@ class Progress:
     energy_residual: dict[str, float] = field(default_factory=dict)
     energy_into_structures: dict[str, float] = field(default_factory=dict)
     stopped: bool = False
+    sweeps: float = 1.0
+    most_sweeps: int = 1
 
 
 class Master:
@@ -88,8 +100,14 @@ class Master:
     assembly : Assembly
     settings : Settings
 
+    Attributes
+    ----------
+    notices : sentences about choices that the master made by itself
+
     Raises
     ------
+    InputError
+        If the algorithm and the FMUs do not go together.
     SimulationError
         If a component cannot be instantiated or initialised.
     """
@@ -97,23 +115,31 @@ class Master:
     def __init__(self, assembly: Assembly, settings: Settings) -> None:
         self.assembly = assembly
         self.settings = settings
-        self.parameters = self._all_parameters()
-        self.outputs = [
-            (name, variable)
-            for name, fmu in assembly.fmus.items()
-            for variable in fmu.names("output")
-            if fmu.variables[variable].type == "Real"
+        self.algorithm = find_algorithm(settings.algorithm)
+        coupling = assembly.coupling()
+        self.stages = stages(settings.algorithm, coupling)
+        self.periods = {name: period(fmu, settings.step) for name, fmu in assembly.fmus.items()}
+        self._check_algorithm()
+        self.notices = [] if self.algorithm.simultaneous else coupling.guesses()
+        self.notices += [
+            f"{name} makes one step of {settings.step * n:g} s in {n} communication steps"
+            for name, n in self.periods.items()
+            if n > 1
         ]
+        self.parameters = self._all_parameters()
+        self.wiring = Wiring.of(assembly)
+        self.outputs = list(self.wiring.outputs)
+        self.directions = list(self.wiring.directions)
         self.further = recording.recorded(assembly.fmus, settings.record)
-        self.directions = list(dict.fromkeys(bond.direction for bond in assembly.bonds))
-        self.stages = stages(settings.algorithm, assembly.coupling())
+        self.progress = Progress(settings.steps)
         self._exit = ExitStack()
         with ExitStack() as stack:
             self.instances: dict[str, FmuInstance] = {}
             for name, fmu in assembly.fmus.items():
-                self.instances[name] = FmuInstance(fmu, name)
+                self.instances[name] = FmuInstance(fmu, name, settings.timeout)
                 stack.callback(self.instances[name].close)
-            self.plan = self._plan()
+            self.plan = make_plan(assembly, self.instances, self.wiring, self.stages, self.algorithm, self.periods)
+            stack.callback(self._free_states)
             self._initialise()
             self._exit = stack.pop_all()
 
@@ -137,58 +163,29 @@ class Master:
         ]
         return columns[: len(self.outputs)] + energy + columns[len(self.outputs) :]
 
+    def _check_algorithm(self) -> None:
+        """Raise InputError if the algorithm repeats steps and a component cannot."""
+        if self.algorithm.sweeps == 1:
+            return
+        for name, fmu in self.assembly.fmus.items():
+            why = None
+            if not fmu.can_roll_back:
+                why = "cannot get and set its state"
+            elif self.periods[name] > 1:
+                why = "steps more slowly than the others"
+            if why is not None:
+                raise InputError(
+                    f"{self.settings.algorithm}: {name} ({fmu.path.name}) {why}, so a step cannot be repeated; "
+                    "use --algorithm staggered"
+                )
+
     def _all_parameters(self) -> dict[str, dict[str, Value]]:
         """Return the parameters of all components, with the step and the interface mobilities put in."""
         a, step = self.assembly, self.settings.step
         parameters = {name: with_step(fmu, a.parameters[name], step) for name, fmu in a.fmus.items()}
         if a.contact is not None:
-            parameters[a.contact].update(contact_mobility(a, step))
+            parameters[a.contact].update(contact_mobility(a, step, self.settings.timeout))
         return parameters
-
-    def _plan(self) -> loop.Plan:
-        """Resolve names to indices and functions to addresses."""
-        a = self.assembly
-        names = list(a.fmus)
-        inputs = {name: [link for link in a.links if link.wire.end_element == name] for name in names}
-        links = [link for name in names for link in inputs[name]]
-        place_y = {key: i for i, key in enumerate(self.outputs)}
-        place_u = {(k.wire.end_element, k.wire.end_connector): i for i, k in enumerate(links)}
-
-        def references(keys: list[tuple[str, str]]) -> NDArray[np.uint32]:
-            return np.array([a.fmus[e].variables[v].valueReference for e, v in keys], dtype=np.uint32)
-
-        def begins(lengths: list[int]) -> NDArray[np.int64]:
-            return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
-
-        def addresses(function: str) -> NDArray[np.int64]:
-            return np.array([self.instances[name].address(function) for name in names], dtype=np.int64)
-
-        def places(keys: list[int]) -> NDArray[np.int64]:
-            return np.array(keys, dtype=np.int64)
-
-        return loop.Plan(
-            stage_begin=begins([len(stage) for stage in self.stages]),
-            order=places([names.index(name) for stage in self.stages for name in stage]),
-            handle=places([self.instances[name].handle for name in names]),
-            set_real=addresses("fmi2SetReal"),
-            get_real=addresses("fmi2GetReal"),
-            do_step=addresses("fmi2DoStep"),
-            input_begin=begins([len(inputs[name]) for name in names]),
-            output_begin=begins([sum(e == name for e, _ in self.outputs) for name in names]),
-            input_reference=references([(k.wire.end_element, k.wire.end_connector) for k in links]),
-            output_reference=references(self.outputs),
-            u=np.zeros(len(links)),
-            y=np.zeros(len(self.outputs)),
-            source=places([place_y[k.wire.start_element, k.wire.start_connector] for k in links]),
-            gain=np.array([k.gain for k in links]),
-            offset=np.array([k.offset for k in links]),
-            bond_force=places([place_u[b.force.wire.end_element, b.force.wire.end_connector] for b in a.bonds]),
-            bond_velocity=places(
-                [place_y[b.velocity.wire.start_element, b.velocity.wire.start_connector] for b in a.bonds]
-            ),
-            bond_row=places([self.directions.index(b.direction) for b in a.bonds]),
-            energy=np.zeros((len(self.directions), 2)),
-        )
 
     def _initialise(self) -> None:
         """Set parameters, let outputs and inputs agree in initialisation mode, and make the exchange after it."""
@@ -196,10 +193,14 @@ class Master:
         for name, instance in self.instances.items():
             instance.set(self.parameters[name])
             instance.enter_initialization_mode(start, stop)
-        for stage in self.stages:
-            for name in stage:
-                self._bring_inputs(name)
-                self._fetch_outputs(name)
+        for _ in range(self.algorithm.sweeps):
+            before = self.plan.y.copy()
+            for stage in self.stages:
+                for name in stage:
+                    self._bring_inputs(name)
+                    self._fetch_outputs(name)
+            if np.allclose(self.plan.y, before, rtol=self.algorithm.tolerance, atol=0):
+                break
         for name, instance in self.instances.items():
             self._bring_inputs(name)
             instance.exit_initialization_mode()
@@ -208,40 +209,46 @@ class Master:
 
     def _bring_inputs(self, name: str) -> None:
         """Set the inputs of a component from the latest outputs."""
-        plan, c = self.plan, list(self.instances).index(name)
-        part = slice(plan.input_begin[c], plan.input_begin[c + 1])
+        plan, part = self.plan, self.wiring.inputs_of(name)
         plan.u[part] = plan.gain[part] * plan.y[plan.source[part]] + plan.offset[part]
-        links = [link for link in self.assembly.links if link.wire.end_element == name]
-        values = zip(links, plan.u[part], strict=True)
-        self.instances[name].set({link.wire.end_connector: float(value) for link, value in values})
+        variables = [each.key[1] for each in self.wiring.inputs[part]]
+        self.instances[name].set(dict(zip(variables, plan.u[part].tolist(), strict=True)))
 
     def _fetch_outputs(self, name: str) -> None:
         """Read the outputs of a component."""
-        plan, c = self.plan, list(self.instances).index(name)
-        variables = [v for e, v in self.outputs if e == name]
-        plan.y[plan.output_begin[c] : plan.output_begin[c + 1]] = self.instances[name].get_real(variables)
+        part = self.wiring.outputs_of(name)
+        self.plan.y[part] = self.instances[name].get_real([variable for _, variable in self.outputs[part]])
+
+    def _free_states(self) -> None:
+        """Free the states that an iteration went back to."""
+        for instance, state in zip(self.instances.values(), self.plan.state.tolist(), strict=True):
+            if state:
+                instance.free_state(ctypes.c_void_p(state))
 
     def run(
         self,
         results: ResultsFile | None = None,
         report: Callable[[Progress], None] = lambda _: None,
         stop_requested: Callable[[], bool] = lambda: False,
+        steps: int | None = None,
     ) -> Progress:
-        """Step to the end, or until a stop is requested.
+        """Step on to the end, or until a stop is requested.
 
         Parameters
         ----------
         results : takes the recorded rows
         report : called after each chunk of steps
         stop_requested : asked after each chunk of steps
+        steps : number of steps to make now; default all that are left
 
         Raises
         ------
         SimulationError
             If a component fails or puts out what is not a number; `results` keeps what was computed until then.
         """
-        progress = Progress(self.settings.steps)
-        for times, rows in self._chunks(progress):
+        progress = self.progress
+        end = progress.total if steps is None else min(progress.steps + steps, progress.total)
+        for times, rows in self._chunks(end):
             if results is not None and times.size:
                 results.append(times, rows)
             report(progress)
@@ -250,14 +257,14 @@ class Master:
                 break
         return progress
 
-    def _chunks(self, progress: Progress) -> Iterator[tuple[Rows, Rows]]:
-        """Run the compiled loop chunk by chunk; yield the times and rows that each records."""
-        h, every, total = self.settings.step, self.settings.record_every, self.settings.steps
+    def _chunks(self, end: int) -> Iterator[tuple[Rows, Rows]]:
+        """Run the compiled loop chunk by chunk up to step `end`; yield the times and rows that each records."""
+        h, every, progress = self.settings.step, self.settings.record_every, self.progress
         start = self.assembly.system.start
         size = max(every, 100)
-        further = recording.further(list(self.instances), self.further, self.assembly.fmus)
-        while progress.steps < total:
-            steps = min(size, total - progress.steps)
+        further = transfers(self.assembly, self.instances, self.further, "Get")
+        while progress.steps < end:
+            steps = min(size, end - progress.steps)
             rows = np.empty((steps // every + 1, len(self.signals())))
             begin = time.perf_counter()
             clock = (start, h, progress.steps)
@@ -266,20 +273,42 @@ class Master:
             first = (progress.steps // every + 1) * every
             progress.wall += elapsed
             progress.steps += done
-            progress.energy_residual = dict(zip(self.directions, self.plan.energy[:, 0].tolist(), strict=True))
-            progress.energy_into_structures = dict(zip(self.directions, self.plan.energy[:, 1].tolist(), strict=True))
+            self._take_figures()
             yield start + h * (first + every * np.arange(count)), rows[:count]
             if what != loop.OK:
                 raise SimulationError(self._explain(what, where, status, start + h * progress.steps))
             size = int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 4 * size)) // every * every or every
 
+    def _take_figures(self) -> None:
+        """Bring energies and sweeps of the progress up to date."""
+        plan, progress = self.plan, self.progress
+        progress.energy_residual = dict(zip(self.directions, plan.energy[:, 0].tolist(), strict=True))
+        progress.energy_into_structures = dict(zip(self.directions, plan.energy[:, 1].tolist(), strict=True))
+        if self.algorithm.sweeps > 1:
+            progress.sweeps = plan.sweeps[1] / max(progress.steps, 1)
+            progress.most_sweeps = int(plan.sweeps[2])
+
     def _explain(self, what: int, where: int, status: int, moment: float) -> str:
         """Return the sentence that says which component failed, in which call and when."""
+        at = f"at t = {moment:.9g} s"
         if what == loop.NOT_FINITE:
             name, variable = self.outputs[where]
-            return f"{name}: output {variable} = {self.plan.y[where]} at t = {moment:.9g} s: not a finite number"
+            return f"{name}: output {variable} = {self.plan.y[where]} {at}: not a finite number"
+        if what == loop.NOT_CONVERGED:
+            name, variable = self.wiring.inputs[where].key
+            return (
+                f"{self.settings.algorithm}: input {name}.{variable} still changes after "
+                f"{self.algorithm.sweeps} sweeps {at}; take a smaller step or another algorithm"
+            )
         instance = list(self.instances.values())[where]
-        call = {loop.SET: "setReal", loop.STEP: "doStep", loop.GET: "getReal"}[what]
+        if status == loop.ENDED:
+            return f"{instance.name}: asks to end the simulation {at}{instance.last_message()}"
         said = STATUS[status] if status < len(STATUS) else str(status)
         instance.lost = said == "fatal"
-        return f"{instance.name}: {call} returned {said} at t = {moment:.9g} s{instance.last_message()}"
+        return f"{instance.name}: {_CALLS[what]} returned {said} {at}{instance.last_message()}"
+
+
+_CALLS = {
+    loop.SET: "setReal", loop.STEP: "doStep", loop.GET: "getReal",
+    loop.SAVE: "getFMUstate", loop.RESTORE: "setFMUstate",
+}  # fmt: skip

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import ExitStack
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +13,19 @@ from fmus.interface import DIRECTIONS, PAIRS, STEP_SIZE
 
 from .assembly import Assembly, Bond
 from .fmu import Fmu, FmuInstance, Value
+from .rates import period
 
 Matrix = NDArray[np.float64]
 
 
-def contact_mobility(assembly: Assembly, step: float) -> dict[str, Value]:
+def contact_mobility(assembly: Assembly, step: float, timeout: float | None = None) -> dict[str, Value]:
     """Return the mobility parameters of the contact: the sum over the structures at its bonds, or nothing.
 
     Parameters
     ----------
     assembly : the system
     step : communication step that the mobilities are for [s]
+    timeout : for scratch instances in processes of their own, see `FmuInstance`
     """
     if assembly.contact is None:
         return {}
@@ -29,9 +33,13 @@ def contact_mobility(assembly: Assembly, step: float) -> dict[str, Value]:
     structures = {bond.force.wire.end_element for bond in assembly.bonds}
     for name in sorted(structures):
         bonds = {b.direction: b for b in assembly.bonds if b.force.wire.end_element == name}
-        parameters = with_step(assembly.fmus[name], assembly.parameters[name], step)
-        published = published_mobility(assembly.fmus[name], parameters) if _as_in_contract(bonds) else None
-        total += probed_mobility(assembly.fmus[name], parameters, bonds, step) if published is None else published
+        fmu = assembly.fmus[name]
+        own_step = step * period(fmu, step)
+        parameters = with_step(fmu, assembly.parameters[name], own_step)
+        published = published_mobility(fmu, parameters, timeout) if _as_in_contract(bonds) else None
+        if published is None:
+            published = probed_mobility(fmu, parameters, bonds, own_step, timeout)
+        total += published
     index = {d: i for i, d in enumerate(DIRECTIONS)}
     return {f"mobility_{row}_{column}": float(total[index[row], index[column]]) for row, column in PAIRS}
 
@@ -54,44 +62,73 @@ def with_step(fmu: Fmu, parameters: Mapping[str, Value], step: float) -> dict[st
     return dict(parameters)
 
 
-def published_mobility(fmu: Fmu, parameters: Mapping[str, Value]) -> Matrix | None:
+def published_mobility(fmu: Fmu, parameters: Mapping[str, Value], timeout: float | None = None) -> Matrix | None:
     """Return the 4 x 4 interface mobility that an FMU puts out as calculated parameters; None if it has none."""
     names = [f"y_{row}_{column}" for row, column in PAIRS]
     if not all(name in fmu.variables for name in names):
         return None
-    instance = FmuInstance(fmu, "scratch")
-    instance.set(parameters)
-    instance.enter_initialization_mode(0.0, 1.0)
-    values = instance.get_real(names)
-    instance.exit_initialization_mode()
-    instance.close()
+    instance = FmuInstance(fmu, "scratch", timeout)
+    try:
+        instance.set(parameters)
+        instance.enter_initialization_mode(0.0, 1.0)
+        values = instance.get_real(names)
+        instance.exit_initialization_mode()
+    finally:
+        instance.close()
     matrix = np.zeros((4, 4))
     matrix[np.triu_indices(4)] = values
     return matrix + np.triu(matrix, 1).T
 
 
-def probed_mobility(fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[str, Bond], step: float) -> Matrix:
-    """Return the 4 x 4 interface mobility of any structure from one step of scratch instances, symmetrised.
+def probed_mobility(
+    fmu: Fmu,
+    parameters: Mapping[str, Value],
+    bonds: Mapping[str, Bond],
+    step: float,
+    timeout: float | None = None,
+) -> Matrix:
+    """Return the 4 x 4 interface mobility of any structure from one step of a scratch instance, symmetrised.
 
     Each direction in turn gets a unit force over one step; what the velocities then have more than without it is a
-    column. Units and signs are those of the contact's side of the connections.
+    column. Between them the instance goes back to its state at the start; an FMU that cannot is instantiated anew.
+    Units and signs are those of the contact's side of the connections.
     """
-    rest = _velocities(fmu, parameters, bonds, step, None)
+    tries = [None, *(d for d in DIRECTIONS if d in bonds)]
+    velocities: dict[str | None, Matrix] = {}
+    with ExitStack() as stack:
+        start = partial(_started, fmu, parameters, step, timeout, stack)
+        instance = start()
+        state = None
+        if fmu.can_roll_back:
+            state = instance.get_state()
+            stack.callback(instance.free_state, state)
+        for forced in tries:
+            velocities[forced] = _velocities(instance, bonds, step, forced)
+            if state is not None:
+                instance.set_state(state)
+            elif forced != tries[-1]:
+                instance = start()
     matrix = np.zeros((4, 4))
     for column, direction in enumerate(DIRECTIONS):
         if direction in bonds:
-            matrix[:, column] = _velocities(fmu, parameters, bonds, step, direction) - rest
+            matrix[:, column] = velocities[direction] - velocities[None]
     return 0.5 * (matrix + matrix.T)
 
 
-def _velocities(
-    fmu: Fmu, parameters: Mapping[str, Value], bonds: Mapping[str, Bond], step: float, forced: str | None
-) -> Matrix:
-    """Return the velocities of a structure after one step with a unit force in one direction or none."""
-    instance = FmuInstance(fmu, "scratch")
+def _started(
+    fmu: Fmu, parameters: Mapping[str, Value], step: float, timeout: float | None, stack: ExitStack
+) -> FmuInstance:
+    """Return a scratch instance that is ready to step; the stack closes it."""
+    instance = FmuInstance(fmu, "scratch", timeout)
+    stack.callback(instance.close)
     instance.set(parameters)
     instance.enter_initialization_mode(0.0, step)
     instance.exit_initialization_mode()
+    return instance
+
+
+def _velocities(instance: FmuInstance, bonds: Mapping[str, Bond], step: float, forced: str | None) -> Matrix:
+    """Return the velocities of a structure after one step with a unit force in one direction or none."""
     if forced is not None:
         force = bonds[forced].force
         instance.set({force.wire.end_connector: force.gain + force.offset})
@@ -101,5 +138,4 @@ def _velocities(
         if direction in bonds:
             link = bonds[direction].velocity
             velocities[i] = link.gain * instance.get_real([link.wire.start_connector])[0]
-    instance.close()
     return velocities

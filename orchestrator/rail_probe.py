@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +104,8 @@ def _mapping_of_system(path: Path) -> dict[str, Signal]:
             continue
         if wire.offset:
             raise InputError(f"{path}: connection {wire} has an offset of {wire.offset:g}; a rail's must be 0")
+        if not all(hop.convert for hop in wire.hops):
+            raise InputError(f"{path}: connection {wire} suppresses the conversion of units; a rail's must not")
         mapping[name.removeprefix("rail_")] = Signal(variable, factor, system.elements[element].units.get(variable))
     unknown = sorted(set(mapping) - set(PORTS))
     if not mapping or unknown:
@@ -125,12 +126,12 @@ class Probe(FmuInstance):
         super().__init__(fmu, "rail")
         self.step_size = step
         self._steps = 0
-        self._forces = [fmu.variables[mapping[f"f_{d}"].variable].valueReference for d in DIRECTIONS]
+        self._forces = [mapping[f"f_{d}"].variable for d in DIRECTIONS]
         self._force_factor = np.array([1 / mapping[f"f_{d}"].factor for d in DIRECTIONS])
         outputs = [f"{kind}_{d}" for kind in "vu" for d in DIRECTIONS]
         self._offered = np.array([name in mapping for name in outputs])
         offered = [mapping[name] for name in outputs if name in mapping]
-        self._motions = [fmu.variables[signal.variable].valueReference for signal in offered]
+        self._motions = [signal.variable for signal in offered]
         self._motion_factor = np.array([signal.factor for signal in offered])
         self.set(with_step(fmu, {}, step))
         self.enter_initialization_mode(0.0, 1e3)
@@ -147,33 +148,16 @@ class Probe(FmuInstance):
         motion = np.full((len(forces), 8), np.nan)
         rows = (forces * self._force_factor).tolist()
         for n, row in enumerate(rows):
-            with self._calling("setReal"):
-                self._slave.setReal(self._forces, row)
+            self.set(dict(zip(self._forces, row, strict=True)))
             self.do_step(self._steps * self.step_size, self.step_size)
             self._steps += 1
-            with self._calling("getReal"):
-                motion[n, self._offered] = self._slave.getReal(self._motions)
+            motion[n, self._offered] = self.get_real(self._motions)
         motion[:, self._offered] *= self._motion_factor
         if not np.isfinite(motion[:, self._offered]).all():
             n = int(np.flatnonzero(~np.isfinite(motion[:, self._offered]).all(axis=1))[0])
             time = (self._steps - len(forces) + n + 1) * self.step_size
             raise SimulationError(f"rail: an output at t = {time:.6g} s is not a finite number")
         return Motion(motion[:, :4], motion[:, 4:])
-
-    def get_state(self) -> Any:
-        """Return the FMU's state."""
-        with self._calling("getFMUstate"):
-            return self._slave.getFMUstate()
-
-    def set_state(self, state: Any) -> None:
-        """Set the FMU's state."""
-        with self._calling("setFMUstate"):
-            self._slave.setFMUstate(state)
-
-    def free_state(self, state: Any) -> None:
-        """Free a state."""
-        with self._calling("freeFMUstate"):
-            self._slave.freeFMUstate(state)
 
 
 def in_si(mapping: Mapping[str, Signal], factors: Mapping[str, float]) -> dict[str, Signal]:

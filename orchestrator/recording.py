@@ -5,32 +5,22 @@ The outputs are fetched at every step, because the coupling needs them; these on
 
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any
 
-import numpy as np
 from numba import njit
 
 from fmus.interface import MODAL_VELOCITY
 
 from . import loop
 from .errors import InputError
-from .fmu import Fmu
+from .fmu_file import Fmu
 
 MODAL_VELOCITIES = f"wheel.{MODAL_VELOCITY}_*"
 """What is recorded unless something else is asked for: the sound of the wheel is made of these."""
 
-Further = namedtuple(
-    "Further",
-    [
-        "component",  # (groups,) positions of components in the plan
-        "begin",  # (groups + 1,) positions in `reference`
-        "reference",  # (variables,) value references, uint32
-    ],
-)
-"""Variables to fetch when a row is recorded, component by component."""
+_DOUBLE = ("Real", "Float64")
 
 
 def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tuple[str, str]]:
@@ -46,7 +36,7 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     InputError
         If a pattern matches no variable that can be recorded.
     """
-    local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].type == "Real"]
+    local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].fmi_type in _DOUBLE]
     outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output")]
     for pattern in wanted or ():
         if not any(fnmatchcase(f"{c}.{v}", pattern) for c, v in local + outputs):
@@ -69,30 +59,15 @@ def patterns(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     return () if list(texts) == ["none"] else tuple(texts)
 
 
-def further(names: Sequence[str], variables: Sequence[tuple[str, str]], fmus: Mapping[str, Fmu]) -> Further:
-    """Resolve variables to value references; `names` are the components in the order of the plan."""
-    groups = [name for name in names if any(c == name for c, _ in variables)]
-    sizes = [sum(c == name for c, _ in variables) for name in groups]
-    ordered = [fmus[c].variables[v].valueReference for name in groups for c, v in variables if c == name]
-    return Further(
-        np.array([names.index(name) for name in groups], dtype=np.int64),
-        np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
-        np.array(ordered, dtype=np.uint32),
-    )
-
-
 @njit(cache=True)
 def _fetch(plan, more, row):  # type: ignore[no-untyped-def]
-    """Get the further variables into the end of a row; return component and FMI status."""
-    first = row.size - more.reference.size
-    for g in range(more.component.size):
-        c = more.component[g]
-        begin, end = more.begin[g], more.begin[g + 1]
-        references = more.reference.ctypes.data + 4 * begin
-        values = row.ctypes.data + 8 * (first + begin)
-        status = loop._call_reals(plan.get_real[c], plan.handle[c], references, end - begin, values)  # type: ignore[call-arg, var-annotated]
-        if status > 1:
-            return c, status
+    """Get the further variables into the end of a row; return component and FMI status of a call that failed."""
+    values = row[row.size - more.value_begin[-1] :]
+    for c in range(more.begin.size - 1):
+        for t in range(more.begin[c], more.begin[c + 1]):
+            status = loop._exchange(plan, more, t, c, values, False)
+            if status > 1:
+                return c, status
     return 0, 0
 
 
@@ -102,7 +77,7 @@ def advance(plan, more, clock, steps, every, record):  # type: ignore[no-untyped
 
     Parameters
     ----------
-    more : Further
+    more : Transfers of the further variables, see `plan.transfers`
     record : (rows, outputs + energy rows + further variables) array that takes what is recorded
 
     Returns

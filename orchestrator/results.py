@@ -41,6 +41,11 @@ class ResultsFile:
     path : file to create; its folder is created too
     signals : name, unit and description of each column after time
     attributes : what the file says of itself
+
+    Attributes
+    ----------
+    rows : number of rows that are in the file
+    header : size of what comes before them [bytes]
     """
 
     def __init__(
@@ -56,11 +61,42 @@ class ResultsFile:
                 variable.units, variable.long_name = unit, description
             data.setncatts(dict(attributes))
         os.truncate(path, _records_begin(path))
-        self.path = path
+        self._open(path, len(signals))
         self.rows = 0
-        self._layout = np.dtype([("time", ">f8"), ("signals", ">f4", (len(signals),))])
+        self.header = self._file.seek(0, 2)
+
+    def _open(self, path: Path, columns: int) -> None:
+        self.path = path
+        self._layout = np.dtype([("time", ">f8"), ("signals", ">f4", (columns,))])
         self._file = path.open("r+b")
-        self._file.seek(0, 2)
+
+    @classmethod
+    def reopen(cls, path: Path, columns: int, header: int, rows: int) -> ResultsFile:
+        """Return a file to go on with after its first `rows` rows; what came after them is cut off.
+
+        Parameters
+        ----------
+        columns : number of columns after time
+        header : size of the header [bytes]
+
+        Raises
+        ------
+        InputError
+            If the file is missing or shorter than that.
+        """
+        file = cls.__new__(cls)
+        try:
+            file._open(path, columns)
+        except OSError as error:
+            raise InputError(f"{path}: cannot go on with these results: {error.strerror or error}") from None
+        file.header, file.rows = header, rows
+        end = header + rows * file._layout.itemsize
+        if file._file.read(3) != b"CDF" or file._file.seek(0, 2) < end:
+            file.close()
+            raise InputError(f"{path}: does not hold the {rows} rows that the checkpoint goes on from")
+        file._count()
+        file._file.truncate(end)
+        return file
 
     def append(self, time: NDArray[np.float64], signals: NDArray[np.float64]) -> None:
         """Append rows: times (n,) [s] and signals (n, columns)."""
@@ -71,9 +107,17 @@ class ResultsFile:
         self._file.write(rows.tobytes())
         self._file.flush()
         self.rows += time.size
+        self._count()
+
+    def _count(self) -> None:
+        """Write the number of rows into the header."""
         self._file.seek(_COUNT_POSITION)
         self._file.write(struct.pack(">i", self.rows))
         self._file.flush()
+
+    def sync(self) -> None:
+        """Return when everything that was appended is on the disk."""
+        os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """Close the file."""

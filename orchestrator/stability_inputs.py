@@ -28,6 +28,7 @@ from .frequency_domain import Mobility, linear_contact, of_modes, of_track, reme
 from .scenario import find_system
 from .stability_case import Structures
 from .system import Element, System
+from .system_values import component_values
 
 CLASS158 = "class158"
 RIGID_RAIL = "rail-rigid"
@@ -157,7 +158,8 @@ def system_inputs(text: str, wheel: str | None, rail: str | None) -> tuple[Struc
 
 def _values(element: Element) -> dict[str, float]:
     """Return the parameter values of a component, as numbers in the FMU's own units."""
-    return {name: float(p.value) for name, p in element.parameters.items() if p.value is not None}
+    values = component_values(element, open_fmu(element.source)).values
+    return {name: float(value) for name, value in values.items() if not isinstance(value, str)}
 
 
 def _contact_values(system: System) -> dict[str, float]:

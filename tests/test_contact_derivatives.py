@@ -83,6 +83,13 @@ SITUATIONS: dict[str, tuple[tuple[float, ...], tuple[float, ...], dict[str, floa
     "nearly lost": ((0.01, 0.03, 0.0, 0.1), (0.0, 7.4e-5), {}),
     "linear spring": ((0.01, 0.03, 0.001, 0.1), (0.0, -5e-6), {"linear_spring": 1}),
     "linear spring, lift-off": ((0.01, 0.03, 0.0, 0.1), (0.0, 2e-4), {"linear_spring": 1}),
+    "slip, late inputs": ((0.01, 0.03, 0.002, 0.1), (1e-6, -5e-6), {"contact_angle": 0.3, "host_delay_steps": 1}),
+    "stick, late inputs": (
+        (0.002, -0.195, 0.0, 0.3),
+        (0.0, -5e-6),
+        {"saturation_coefficient": 1e-4, "host_delay_steps": 1},
+    ),
+    "velocities integrated, late": ((0.01, 0.0, 0.0, 0.1), (0.0, 0.0), {"use_displacements": 0, "host_delay_steps": 1}),
     "velocities integrated": ((0.01, 0.0, 0.0, 0.1), (0.0, 0.0), {"use_displacements": 0}),
 }
 

@@ -77,8 +77,8 @@ def test_the_program_ecos_agrees(native: Path, expected: np.ndarray, tmp_path: P
     if "libtbb" in done.stderr:
         pytest.skip("ecos needs the Debian package libtbb12")
     assert done.returncode == 0, done.stderr[-2000:]
-    with next(tmp_path.glob("*.csv")).open() as file:
-        rows = list(csv.DictReader(file, skipinitialspace=True))
+    with next(tmp_path.glob("*.csv")).open() as table:
+        rows = list(csv.DictReader(table, skipinitialspace=True))
     last = next(row for row in rows if int(row["iterations"]) == STEPS)
     found = [float(last[name.replace(".", "::") + "[REAL]"]) for name in WATCHED]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-5)

@@ -17,7 +17,7 @@ from orchestrator.paper_time import CASES, PAPER_HZ, SIMILAR_DB, Facts, Item, Ro
 from orchestrator.results import open_results
 from orchestrator.run_model import model_of
 from orchestrator.run_model import modes_of as modes_of_values
-from orchestrator.running import run_scenario
+from orchestrator.running import Report, run_scenario
 from orchestrator.scenario import Scenario
 from orchestrator.stability import closed_loop_poles
 
@@ -27,7 +27,7 @@ DURATION_S = 6.0
 @pytest.fixture(scope="module")
 def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the results of a short run of Case 1."""
-    return run_scenario(Scenario("case1", duration=0.01), tmp_path_factory.mktemp("short")).results
+    return run_scenario(Scenario("case1", duration=0.01), tmp_path_factory.mktemp("short"), Report()).results
 
 
 def test_the_model_of_a_run_is_that_of_its_components(short: Path) -> None:
@@ -58,7 +58,7 @@ def test_missing_results_are_one_sentence(short: Path, tmp_path: Path) -> None:
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("cases")
     for case in CASES:
-        run_scenario(Scenario(case, duration=DURATION_S), folder)
+        run_scenario(Scenario(case, duration=DURATION_S), folder, Report())
     return folder
 
 

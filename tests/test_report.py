@@ -21,7 +21,7 @@ from test_cli import curvesqueal
 from orchestrator.errors import InputError
 from orchestrator.report import write_report
 from orchestrator.report_plots import envelope, plain
-from orchestrator.running import run_scenario
+from orchestrator.running import Report, run_scenario
 from orchestrator.scenario import Scenario
 
 TONE = 1102.0
@@ -56,7 +56,7 @@ def squealing(path: Path) -> Path:
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the page of a squealing run and of a run that is too short for anything."""
     folder = tmp_path_factory.mktemp("report")
-    quiet = run_scenario(Scenario("case1", duration=0.01), folder).results
+    quiet = run_scenario(Scenario("case1", duration=0.01), folder, Report()).results
     return write_report([squealing(folder / "squeal.nc"), quiet], folder / "out")
 
 
@@ -83,7 +83,7 @@ def test_page_names_nothing_in_the_network(page: Path) -> None:
 
 def test_bad_input_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "text.nc").write_text("hello")
-    cut = run_scenario(Scenario("case2", duration=0.005), tmp_path).results
+    cut = run_scenario(Scenario("case2", duration=0.005), tmp_path, Report()).results
     (tmp_path / "cut.nc").write_bytes(cut.read_bytes()[:-1000])
     vibrating({}).to_netcdf(tmp_path / "other.nc", engine="scipy", format="NETCDF3_64BIT")
     for name, message in (

@@ -68,17 +68,15 @@ def test_a_long_step_is_made_of_equal_micro_steps(declared: dict[str, Component]
 
 def test_micro_steps_of_another_size_bring_their_own_mobility(declared: dict[str, Component]) -> None:
     """A step that no whole number of micro steps fills is divided more finely: second order, so nearly the same."""
-    results = []
-    for step, count in ((5e-6, 420), (4.9e-6 * 3, 143)):
+    found = []
+    for step, count in ((5e-6, 294), (14.7e-6, 100)):
         system = Instance(declared["curvesqueal"])
         system.initialise()
         for _ in range(count):
             system.do_step(step)
-        results.append((system.outputs.copy(), count * step))
-    a, b = results
-    assert a[1] == pytest.approx(b[1], rel=2e-3)
-    assert b[0][8 + 4] != 0.0
-    assert np.isfinite(b[0]).all()
+        found.append(system.outputs[:8].copy())
+    assert abs(found[0] - found[1]).max() < 2e-3 * abs(found[0]).max()
+    assert (found[0] != found[1]).any()
 
 
 def test_friction_changes_over_time_without_a_constant_force_on_the_structures(declared: dict[str, Component]) -> None:

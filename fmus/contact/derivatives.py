@@ -15,6 +15,7 @@ from .law import law, normal_stiffness
 from .layout import OUT, D, S
 from .parameters import P
 from .ports import put_forces, relative_motion
+from .prediction import look_ahead_change
 
 STEP = 1e-6
 """Step of the central differences, relative to the rolling velocity and to the load."""
@@ -24,14 +25,10 @@ STEP = 1e-6
 def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitivity):  # type: ignore[no-untyped-def]
     """Differentiate the outputs at the end of the last step, of size h (0: none yet), along the inputs `seed`."""
     d_v, d_v_normal, d_u = relative_motion(derived, seed)
-    d_deflection = -h * d_v_normal
-    if parameters[P.use_displacements] != 0.0:
-        d_deflection = -d_u - 0.5 * h * d_v_normal
-    d_load = normal_stiffness(parameters, derived, state[S.deflection]) * d_deflection
-    if h > 0.0:
-        d_x = _creep_force_change(parameters, derived, state, (1.5 * d_v[0], 1.5 * d_v[1], 1.5 * d_v[2]), d_load, 1.0)
-    else:  # at the start nothing is extrapolated and the forces are explicit
-        d_x = _creep_force_change(parameters, derived, state, d_v, d_load, 0.0)
+    d_ahead, d_deflection = look_ahead_change(parameters, state, d_v, d_v_normal, d_u, h)
+    d_load = normal_stiffness(parameters, derived, outputs[OUT.deflection]) * d_deflection
+    implicit = 1.0 if h > 0.0 else 0.0  # at the start the forces are explicit
+    d_x = _creep_force_change(parameters, derived, state, d_ahead, d_load, implicit)
     put_forces(derived, sensitivity, d_x, d_load)
     _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load)
     sensitivity[OUT.deflection] = d_deflection

@@ -36,7 +36,7 @@ def falling_slope(creepage: float, falling_ratio: float, saturation: float) -> f
     """Return d tau/d gamma, the slope of `falling_factor`.
 
     >>> round(falling_slope(0.02, 0.1, 0.005), 6)
-    -0.9735
+    -0.973501
     """
     if creepage < 1e-12:
         return 0.0

@@ -9,8 +9,8 @@ cancels the delay of a held force. The creep forces solve
     F = g(v_ahead + Y (F - F_held)),
 
 g the friction law and Y the interface mobility of wheel and rail together: the velocity that the new force itself
-causes counts at once (in stick nothing explicit is stable). v_ahead extrapolates the rest of the velocity by half a
-step: v + (dv - Y dF)/2, with dv and dF the last changes of velocity and force. That makes the coupling second order.
+causes counts at once (in stick nothing explicit is stable). v_ahead extrapolates the rest of the velocity, see
+`prediction`. That makes the coupling second order.
 The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when it no longer converges.
 """
 
@@ -25,39 +25,21 @@ from .law import law, normal_force
 from .layout import OUT, STATE_SIZE, D, S
 from .parameters import P
 from .ports import put_forces, put_monitors, relative_motion
+from .prediction import look_ahead
 
 __all__ = ["differentiate", "do_step", "initialise"]
-
-
-@kernel
-def _ahead(derived, state, v, row):  # type: ignore[no-untyped-def]
-    """Return velocity number `row` (lon, lat, spin) half a step ahead, the held forces going on."""
-    y = D.mobility + 4 * row
-    caused = (
-        derived[y] * state[S.d_lon]
-        + derived[y + 1] * state[S.d_lat]
-        + derived[y + 2] * state[S.d_spin]
-        + derived[y + 3] * state[S.d_normal]
-    )
-    return v + 0.5 * (v - state[S.v_lon + row] - caused)
 
 
 @kernel
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
     v, v_normal, u_normal = relative_motion(derived, inputs)
-    if parameters[P.use_displacements] != 0.0:
-        deflection = -u_normal - 0.5 * h * v_normal
-    else:  # the backward rectangle is half a step ahead by itself
-        deflection = state[S.deflection] - h * v_normal
-    state[S.deflection] = deflection
-
+    ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, u_normal, h)
     load = normal_force(parameters, derived, deflection)
     f_normal = load - parameters[P.normal_load]
     pulse = 0.0
     if state[S.elapsed] < parameters[P.pulse_duration]:
         pulse = parameters[P.pulse_force] * math.sin(math.pi * state[S.elapsed] / parameters[P.pulse_duration])
-    ahead = (_ahead(derived, state, v[0], 0), _ahead(derived, state, v[1], 1), _ahead(derived, state, v[2], 2))
     x, w, evaluations = solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
     for i in range(3):
         state[S.d_lon + i] = x[i] - state[S.f_lon + i]
@@ -74,7 +56,7 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
 
 @kernel
 def turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
-    """Put the mobility rows lon, lat, spin over the columns lon, lat, spin, normal into `derived`, contact axes."""
+    """Put the mobility, rows and columns lon, lat, spin, normal, into `derived`, contact axes."""
     c = derived[D.cos]
     s = derived[D.sin]
     lon_lon = parameters[P.mobility_lon_lon]
@@ -100,6 +82,10 @@ def turn_mobility(parameters, derived):  # type: ignore[no-untyped-def]
     derived[y + 9] = derived[y + 6]
     derived[y + 10] = spin_spin
     derived[y + 11] = s * lat_spin + c * ver_spin
+    derived[y + 12] = derived[y + 3]
+    derived[y + 13] = derived[y + 7]
+    derived[y + 14] = derived[y + 11]
+    derived[y + 15] = s * s * lat_lat + 2.0 * c * s * lat_ver + c * c * ver_ver
 
 
 @kernel
@@ -116,15 +102,16 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     derived[D.approach] = 1.5 * parameters[P.normal_load] / parameters[P.hertz_stiffness]
     load = parameters[P.normal_load]
     derived[D.f_lon], derived[D.f_lat], derived[D.f_spin] = law(parameters, derived, 0.0, 0.0, 0.0, load)
-    for i in range(12):
+    for i in range(16):
         derived[D.mobility + i] = 0.0
     for i in range(STATE_SIZE):
         state[i] = 0.0
     for i in range(3):
         state[S.newton + 4 * i] = 1.0
-    v, _, _ = relative_motion(derived, inputs)
+    v, v_normal, _ = relative_motion(derived, inputs)
     for i in range(3):
         state[S.v_lon + i] = v[i]  # as if it had been so before
+    state[S.v_normal] = v_normal
     # without mobility the first evaluation is explicit: nothing is held before the start
     _apply(parameters, derived, state, inputs, outputs, 0.0)
     for i in range(S.d_lon, S.d_normal + 1):

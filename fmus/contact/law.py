@@ -5,7 +5,7 @@ import math
 from ..compile import kernel
 from .fastsim import fastsim
 from .friction import falling_factor
-from .layout import D
+from .layout import SCRATCH, D
 from .parameters import P
 
 
@@ -34,7 +34,10 @@ def normal_stiffness(parameters, derived, deflection):  # type: ignore[no-untype
 
 @kernel
 def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  # type: ignore[no-untyped-def]
-    """Return the total creep forces on the wheel [N, N, N.m] at total creepages and total normal force."""
+    """Return the total creep forces on the wheel [N, N, N.m] at total creepages and total normal force.
+
+    `derived` lends scratch space, which is zero again afterwards.
+    """
     tau = falling_factor(
         math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
         parameters[P.falling_ratio],
@@ -52,6 +55,8 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
         derived[D.L3],
         int(parameters[P.grid_cells]),
         int(parameters[P.grid_strips]),
+        derived,
+        SCRATCH,
     )
     return tau * lon, tau * lat, tau * moment
 

@@ -2,6 +2,7 @@
 
 from ..compile import positions
 from ..interface import contact_inputs, contact_outputs
+from .fastsim import SCRATCH_SIZE
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
@@ -12,8 +13,13 @@ S = positions(
     (
         *("f_lon", "f_lat", "f_spin", "f_normal"),  # forces that are held now: fluctuations, contact axes
         *("d_lon", "d_lat", "d_spin", "d_normal"),  # how much they changed the last time
-        *("v_lon", "v_lat", "v_spin"),  # relative velocities at the end of the step before
+        *("v_lon", "v_lat", "v_spin", "v_normal"),  # relative velocities that came in before
         *("w_lon", "w_lat", "w_spin"),  # relative velocities that the law was solved at
+        *("held_lon", "held_lat", "held_spin", "held_normal"),  # Y F of the held forces; this and what follows: delay
+        *("known_lon", "known_lat", "known_spin", "known_normal"),  # change of the velocities by known forces
+        *("rest_lon", "rest_lat", "rest_spin", "rest_normal"),  # the rest of their last change
+        *("older_rest_lon", "older_rest_lat", "older_rest_spin", "older_rest_normal"),  # of the change before
+        *("steps", "part", "part_normal"),  # steps made, part of the parabola in the extrapolation
         *("elapsed", "deflection", "newton"),  # time, integrated deflection, Newton matrix (3 x 3)
     ),
 )
@@ -22,7 +28,10 @@ S = positions(
 D = positions(
     "D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "volume", "mobility")
 )
-"""Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (3 x 4)."""
+"""Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (4 x 4)."""
 
 STATE_SIZE = S.newton + 9
-DERIVED_SIZE = D.mobility + 12
+SCRATCH = D.mobility + 16
+"""Position of the scratch space of FASTSIM in the derived quantities."""
+
+DERIVED_SIZE = SCRATCH + SCRATCH_SIZE

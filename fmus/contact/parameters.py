@@ -67,6 +67,9 @@ PARAMETERS = (
                  start=0.0, minimum=-1e3, maximum=1e3, nominal=p.nominal)
         for p in mobility_ports("mobility")
     ),
+    Variable("host_delay_steps", "parameter", "1",
+             "steps by which the host's inputs are late: 0; 1 for a host that steps all components at once (Jacobi)",
+             kind="Integer", start=0, minimum=0, maximum=1),
 )  # fmt: skip
 
 P = positions("P", (p.name for p in PARAMETERS))

@@ -127,7 +127,12 @@ def build_fmu(component: Component, file: Path, target: Target | None = None) ->
     return build_fmus({file.stem: component}, file.parent, target or default_target())[file.stem]
 
 
-def build(folder: Path, target: Target | None = None, report: Callable[[Path], None] = lambda _: None) -> Path:
+def build(
+    folder: Path,
+    target: Target | None = None,
+    report: Callable[[Path], None] = lambda _: None,
+    only_cases: bool = False,
+) -> Path:
     """Build all FMUs and the SSP into `folder`; return the SSP.
 
     Parameters
@@ -135,13 +140,15 @@ def build(folder: Path, target: Target | None = None, report: Callable[[Path], N
     folder : created if it does not exist
     target : default: `default_target()`
     report : called with each file when all are written
+    only_cases : whether to leave out the FMUs that no case uses
     """
     folder.mkdir(parents=True, exist_ok=True)
     built = components()
     cases = read_cases()
     files = ssp_files(built, cases)
     used = {"wheel", "contact", *(case.rail for case in cases)}
-    fmus = build_fmus(built, folder, target or default_target())
+    chosen = {name: c for name, c in built.items() if name in used or not only_cases}
+    fmus = build_fmus(chosen, folder, target or default_target())
     for name in used:
         files[f"resources/{name}.fmu"] = fmus[name].read_bytes()
     ssp = folder / SSP_NAME

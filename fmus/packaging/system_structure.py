@@ -7,26 +7,17 @@ component named `initialValues`, the step size in the annotations that tools loo
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from ..component import Component, Instance, Variable
 from ..interface import STEP_SIZE, STRUCTURES, UNITS, connections, mobility_ports
+from .ssp_xml import add_experiment, add_openmodelica_step, add_units, parameter_set, tag, to_bytes
 
 SSP_FOLDER = Path(__file__).parents[2] / "ssp"
-
-_BASE = "http://ssp-standard.org/SSP1/"
-NAMESPACES = {
-    "ssd": _BASE + "SystemStructureDescription",
-    "ssc": _BASE + "SystemStructureCommon",
-    "ssv": _BASE + "SystemStructureParameterValues",
-    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
-    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
-    "curvesqueal": "urn:curvesqueal:ssp",
-}
 
 _GEOMETRY = {"wheel": ("10", "60", "40", "80"), "rail": ("10", "10", "40", "30"), "contact": ("70", "35", "100", "55")}
 
@@ -87,8 +78,6 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
     components : by FMU file name without suffix: wheel, contact, and every rail that a case names
     cases : the first one becomes SystemStructure.ssd
     """
-    for prefix, uri in NAMESPACES.items():
-        register_namespace(prefix, uri)
     files = {}
     for number, case in enumerate(cases):
         parts = {"wheel": components["wheel"], "rail": components[case.rail], "contact": components["contact"]}
@@ -99,65 +88,34 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
             "contact": {**case.contact, **mobility},
         }
         for name, component in parts.items():
-            files[f"resources/{name}-{case.name}.ssv"] = _text(_parameter_set(component, values[name]))
+            files[f"resources/{name}-{case.name}.ssv"] = to_bytes(_parameter_set(component, values[name]))
         ssd = "SystemStructure.ssd" if number == 0 else f"{case.name}.ssd"
-        files[ssd] = _text(_description(case, parts))
+        files[ssd] = to_bytes(_description(case, parts))
     return files
-
-
-def _tag(prefix: str, name: str) -> str:
-    return f"{{{NAMESPACES[prefix]}}}{name}"
-
-
-def _text(root: Element) -> bytes:
-    indent(root)
-    body: bytes = tostring(root, "utf-8", xml_declaration=False)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + body + b"\n"
 
 
 def _description(case: Case, parts: Mapping[str, Component]) -> Element:
     """Return the SystemStructureDescription of a case."""
-    root = Element(_tag("ssd", "SystemStructureDescription"), version="1.0", name=case.name)
-    system = SubElement(root, _tag("ssd", "System"), name="curvesqueal", description=case.title)
-    elements = SubElement(system, _tag("ssd", "Elements"))
+    root = Element(tag("ssd", "SystemStructureDescription"), version="1.0", name=case.name)
+    system = SubElement(root, tag("ssd", "System"), name="curvesqueal", description=case.title)
+    elements = SubElement(system, tag("ssd", "Elements"))
     for name, component in parts.items():
         fmu = case.rail if name == "rail" else name
         elements.append(_component(name, f"resources/{fmu}.fmu", f"resources/{name}-{case.name}.ssv", component))
-    wires = SubElement(system, _tag("ssd", "Connections"))
+    wires = SubElement(system, tag("ssd", "Connections"))
     for c in connections():
         SubElement(
             wires,
-            _tag("ssd", "Connection"),
+            tag("ssd", "Connection"),
             startElement=c.start_element,
             startConnector=c.start_connector,
             endElement=c.end_element,
             endConnector=c.end_connector,
         )
-    _annotate(system, "org.openmodelica", _openmodelica(case))
-    _units(root, "ssd", (v for component in parts.values() for v in _connected(component)))
-    experiment = SubElement(root, _tag("ssd", "DefaultExperiment"), startTime="0.0", stopTime=repr(case.stop_time))
-    algorithm = Element(_tag("osp", "Algorithm"))
-    SubElement(algorithm, _tag("osp", "FixedStepAlgorithm"), baseStepSize=repr(case.step_size))
-    master = Element(_tag("curvesqueal", "Master"), stepSize=repr(case.step_size), algorithm="staggered")
-    _annotate(experiment, "com.opensimulationplatform", algorithm)
-    _annotate(experiment, "curvesqueal", master)
+    add_openmodelica_step(system, case.step_size)
+    add_units(root, "ssd", _definitions(v for component in parts.values() for v in _connected(component)))
+    add_experiment(root, 0.0, case.stop_time, case.step_size, "staggered")
     return root
-
-
-def _openmodelica(case: Case) -> Element:
-    """Return OMSimulator's way to say the step size."""
-    annotations = Element(_tag("oms", "Annotations"))
-    information = SubElement(annotations, _tag("oms", "SimulationInformation"))
-    SubElement(information, _tag("oms", "FixedStepMaster"), description="oms-ma", stepSize=repr(case.step_size))
-    return annotations
-
-
-def _annotate(parent: Element, kind: str, content: Element) -> None:
-    """Add an annotation to `parent`."""
-    annotations = parent.find(_tag("ssd", "Annotations"))
-    if annotations is None:
-        annotations = SubElement(parent, _tag("ssd", "Annotations"))
-    SubElement(annotations, _tag("ssc", "Annotation"), type=kind).append(content)
 
 
 def _connected(component: Component) -> list[Variable]:
@@ -168,35 +126,28 @@ def _connected(component: Component) -> list[Variable]:
 def _component(name: str, source: str, parameters: str, component: Component) -> Element:
     """Return the Component element: connectors, geometry, parameter set."""
     element = Element(
-        _tag("ssd", "Component"), name=name, source=source, type="application/x-fmu-sharedlibrary",
+        tag("ssd", "Component"), name=name, source=source, type="application/x-fmu-sharedlibrary",
         implementation="CoSimulation",
     )  # fmt: skip
-    connectors = SubElement(element, _tag("ssd", "Connectors"))
+    connectors = SubElement(element, tag("ssd", "Connectors"))
     for variable in _connected(component):
-        connector = SubElement(connectors, _tag("ssd", "Connector"), name=variable.name, kind=variable.causality)
-        SubElement(connector, _tag("ssc", "Real"), unit=variable.unit)
+        connector = SubElement(connectors, tag("ssd", "Connector"), name=variable.name, kind=variable.causality)
+        SubElement(connector, tag("ssc", "Real"), unit=variable.unit)
     x1, y1, x2, y2 = _GEOMETRY[name]
-    SubElement(element, _tag("ssd", "ElementGeometry"), x1=x1, y1=y1, x2=x2, y2=y2)
-    bindings = SubElement(element, _tag("ssd", "ParameterBindings"))
-    SubElement(bindings, _tag("ssd", "ParameterBinding"), source=parameters)
+    SubElement(element, tag("ssd", "ElementGeometry"), x1=x1, y1=y1, x2=x2, y2=y2)
+    bindings = SubElement(element, tag("ssd", "ParameterBindings"))
+    SubElement(bindings, tag("ssd", "ParameterBinding"), source=parameters)
     return element
 
 
 def _parameter_set(component: Component, values: Mapping[str, float]) -> Element:
     """Return an SSV with some parameters of a component."""
-    root = Element(_tag("ssv", "ParameterSet"), version="1.0", name="initialValues")
-    parameters = SubElement(root, _tag("ssv", "Parameters"))
     declared = {v.name: v for v in component.of("parameter")}
-    for name, value in values.items():
-        parameter = SubElement(parameters, _tag("ssv", "Parameter"), name=name)
-        SubElement(parameter, _tag("ssv", "Real"), value=repr(declared[name].check(value)), unit=declared[name].unit)
-    _units(root, "ssv", (declared[name] for name in values))
+    root = parameter_set((name, declared[name].check(value), declared[name].unit) for name, value in values.items())
+    add_units(root, "ssv", _definitions(declared[name] for name in values))
     return root
 
 
-def _units(root: Element, prefix: str, variables: Any) -> None:
-    """Define the units of some variables."""
-    units = SubElement(root, _tag(prefix, "Units"))
-    for unit in sorted({v.unit for v in variables}):
-        element = SubElement(units, _tag("ssc", "Unit"), name=unit)
-        SubElement(element, _tag("ssc", "BaseUnit"), {name: str(e) for name, e in (UNITS[unit] or {}).items()})
+def _definitions(variables: Iterable[Variable]) -> dict[str, dict[str, float]]:
+    """Return the units of some variables in base units."""
+    return {v.unit: dict(UNITS[v.unit] or {}) for v in variables}

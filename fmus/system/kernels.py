@@ -31,6 +31,8 @@ from .layout import (
     RAIL_IN,
     RAIL_OUT,
     RAIL_TO_CONTACT,
+    TUNED_FROM,
+    TUNED_TO,
     WHEEL_IN,
     WHEEL_OUT,
     WHEEL_TO_CONTACT,
@@ -41,7 +43,7 @@ from .layout import (
 
 @kernel
 def wire(source, positions, target, places):  # type: ignore[no-untyped-def]
-    """Copy outputs to the inputs that they feed."""
+    """Copy values at `positions` of `source` to `places` of `target`."""
     for k in range(len(positions)):
         target[places[k]] = source[positions[k]]
 
@@ -111,13 +113,6 @@ def _parts(parameters, derived, state):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _hand_down(parameters, contact_parameters):  # type: ignore[no-untyped-def]
-    """Copy the system's parameters to the contact's."""
-    for k in range(len(HANDED_DOWN_TO)):
-        contact_parameters[HANDED_DOWN_TO[k]] = parameters[FIRST_HANDED_DOWN + k]
-
-
-@kernel
 def _add_mobilities(wheel, rail, contact):  # type: ignore[no-untyped-def]
     """Give the contact the sum of the interface mobilities."""
     for k in range(N_MOBILITIES):
@@ -157,7 +152,8 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     copy(parameters, rail[0], begin + n_wheel, 0, n_rail)
     wheel[0][n_wheel] = parameters[P.micro_step]
     rail[0][n_rail] = parameters[P.micro_step]
-    _hand_down(parameters, contact[0])
+    for k in range(len(HANDED_DOWN_TO)):
+        contact[0][HANDED_DOWN_TO[k]] = parameters[FIRST_HANDED_DOWN + k]
     for k in range(len(INPUT_TO)):
         contact[0][INPUT_TO[k]] = inputs[k]
     structure_initialise(wheel[0], wheel[1], wheel[2], wheel[3], wheel[4])
@@ -173,7 +169,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
 def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Advance by as many equal micro steps as it takes for none to be longer than `micro_step`."""
     wheel, rail, contact = _parts(parameters, derived, state)
-    _hand_down(parameters, contact[0])
+    wire(parameters, TUNED_FROM, contact[0], TUNED_TO)
     creepages = (inputs[I.steady_creepage_lon], inputs[I.steady_creepage_lat], inputs[I.steady_creepage_spin])
     move_operating_point(contact[0], contact[1], creepages, inputs[I.normal_load], inputs[I.mu0])
     count, size = _micro_steps(parameters, wheel, rail, contact, h)

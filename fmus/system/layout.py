@@ -29,6 +29,10 @@ FIRST_HANDED_DOWN = len(OWN)
 HANDED_DOWN_TO = tuple(_contact_names.index(p.name) for p in HANDED_DOWN)
 """Position among the contact's parameters of each one that is handed down."""
 
+TUNED_FROM = tuple(FIRST_HANDED_DOWN + i for i, p in enumerate(HANDED_DOWN) if p.tunable)
+TUNED_TO = tuple(_contact_names.index(p.name) for p in HANDED_DOWN if p.tunable)
+"""The same of those that may change during the run, and where they are."""
+
 INPUT_TO = tuple(_contact_names.index(name) for name in INPUTS)
 MOBILITY = _contact_names.index("mobility_lon_lon")
 

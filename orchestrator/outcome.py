@@ -1,0 +1,101 @@
+"""What a run left behind, as data and as JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .analysis import Summary
+from .assembly import Assembly
+from .errors import InputError
+from .master import Progress, Settings
+from .results import open_results
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Spurious:
+    """Growth that the coupling adds.
+
+    Attributes
+    ----------
+    largest : largest error of a growth rate below 5 kHz [1/s]; None if it is not known
+    sentence : the figures, or why there are none
+    """
+
+    largest: float | None
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run left behind.
+
+    Attributes
+    ----------
+    case : name of the system
+    settings, progress, summary : how it was run, how far it came, what came out
+    results : the results file
+    picture : the picture of histories and spectra; None if none was asked for or it could not be written
+    spurious : what the algorithm does to the growth rates
+    error : why it ended early; None if it did not
+    """
+
+    case: str
+    settings: Settings
+    progress: Progress
+    summary: Summary
+    results: Path
+    picture: Path | None
+    spurious: Spurious
+    error: str | None
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """Everything that was recorded, with units, loaded lazily."""
+        return open_results(self.results)
+
+
+def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
+    """Return what the algorithm does to the growth rates of the linearised system, or why that is not known."""
+    from .coupling import modal_system  # noqa: PLC0415 - keeps the start of a run short
+
+    try:
+        growth = modal_system(assembly).at(settings.step, settings.algorithm)
+    except InputError as reason:
+        return Spurious(None, f"not known: {reason}")
+    return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step))
+
+
+def as_json(outcome: Outcome) -> str:
+    """Return an outcome as one JSON object."""
+    s, p = outcome.summary, outcome.progress
+    data = {
+        "case": outcome.case,
+        "steps": p.steps,
+        "step_s": outcome.settings.step,
+        "duration_s": p.steps * outcome.settings.step,
+        "wall_s": p.wall,
+        "algorithm": outcome.settings.algorithm,
+        "sweeps_per_step": p.sweeps,
+        "most_sweeps": p.most_sweeps,
+        "dominant_frequency_hz": s.dominant_frequency_hz,
+        "growth_rate": s.growth_rate,
+        "wheel_velocity_rms": s.wheel_velocity_rms,
+        "rail_velocity_rms": s.rail_velocity_rms,
+        "contact_lost": s.contact_lost,
+        "energy_residual": p.energy_residual,
+        "energy_into_structures": p.energy_into_structures,
+        "max_growth_rate_error": outcome.spurious.largest,
+        "spurious_growth": outcome.spurious.sentence,
+        "completed": outcome.error is None and not p.stopped,
+        "error": outcome.error,
+        "results": str(outcome.results),
+        "picture": None if outcome.picture is None else str(outcome.picture),
+    }
+    return json.dumps(data, allow_nan=False, indent=1)
