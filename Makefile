@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-slow lint types layers fix fmus ssp data figures bench clean
+.PHONY: help run test test-slow lint types layers fix fmus ssp data figures paper bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -46,6 +46,10 @@ data: .venv/user  ## make the shipped wheel and rail data again
 
 figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), wheel (Fig. 6) and stability (Fig. 7)
 	$(BIN)/curvesqueal rail figures --out results && $(BIN)/curvesqueal friction && $(BIN)/curvesqueal wheel figures && $(BIN)/curvesqueal stability case1 --out results/stability.png
+
+paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper next to ours (10 minutes)
+	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case || exit 1; done
+	$(BIN)/curvesqueal paper
 
 bench: .venv/developer  ## time per step of the components and of the master, as ratios
 	$(BIN)/python benchmarks/steps.py

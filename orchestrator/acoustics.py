@@ -139,8 +139,8 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     Parameters
     ----------
     data : results with the wheel's parameters and modal velocities
-    wheel : name of a shipped wheelset or a file such as those in fmus/wheel/data; None: the shipped one whose natural
-        frequencies are those of the results
+    wheel : name of a shipped wheelset or a file such as those in fmus/wheel/data; None: the shipped one that has the
+        natural frequencies, and most nearly the shapes, of the results
 
     Raises
     ------
@@ -158,11 +158,15 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
         if len(chosen.modes) != count:
             raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return chosen
-    frequency = _frequencies(data)
-    for candidate in map(_named, shipped()):
-        own = candidate.modes.omega / (2 * np.pi)
-        if own.size == count == frequency.size and np.allclose(own, frequency, rtol=_SAME_FREQUENCY):
-            return candidate
+    frequency, shape = _block(data, "frequency"), _block(data, "shape_lat")
+    fitting = [
+        candidate
+        for candidate in map(_named, shipped())
+        if len(candidate.modes) == count == frequency.size
+        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency, rtol=_SAME_FREQUENCY)
+    ]
+    if fitting:
+        return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
         "give --wheel NAME or FILE.toml"
@@ -185,10 +189,10 @@ def _named(wheel: str) -> Wheelset:
         raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
-def _frequencies(data: xr.Dataset) -> Real:
-    """Return the natural frequencies of the wheel that a results file tells [Hz]."""
+def _block(data: xr.Dataset, block: str) -> Real:
+    """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
     values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
-    return np.array([values[name] for name in sorted(values) if name.startswith("frequency_")], dtype=float)
+    return np.array([values[name] for name in sorted(values) if name.startswith(f"{block}_")], dtype=float)
 
 
 def _source(data: xr.Dataset) -> str:

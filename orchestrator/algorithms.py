@@ -77,10 +77,21 @@ def independent_first(coupling: Coupling) -> Stages:
     return order
 
 
-def loops_last(coupling: Coupling) -> Stages:
-    """As `independent_first`; the members of an algebraic loop step together at the end, for an iteration to solve."""
+def loops_together(coupling: Coupling) -> Stages:
+    """As `independent_first`; the members of an algebraic loop step together, for an iteration to solve."""
     order, loop = _sort(coupling)
-    return [*order, loop] if loop else order
+    return (
+        order if not loop else [*order, loop, *_after(coupling, [*(name for stage in order for name in stage), *loop])]
+    )
+
+
+def _after(coupling: Coupling, done: list[str]) -> Stages:
+    """Return the stages of what is left; if that holds another loop, all of it is one stage."""
+    left = [name for name in coupling.feeds if name not in done]
+    ready = [name for name in left if not coupling.feeds[name] & set(left)]
+    if not left:
+        return []
+    return [ready, *_after(coupling, [*done, *ready])] if ready else [left]
 
 
 def _sort(coupling: Coupling) -> tuple[Stages, list[str]]:
@@ -138,7 +149,7 @@ ALGORITHMS: dict[str, Algorithm] = {
     "jacobi": Algorithm("everybody steps at once with the outputs of the step before", simultaneous, simultaneous=True),
     "iterative": Algorithm(
         "as staggered, but a step is repeated with the mean of old and new inputs until they converge",
-        loops_last,
+        loops_together,
         share=0.5,
         sweeps=50,
     ),

@@ -29,6 +29,7 @@ class Summary:
     growth_rate : of the wheel's lateral velocity while it grows [1/s]; None if it does not
     wheel_velocity_rms, rail_velocity_rms : by direction, second half of the run [m/s, rad/s]
     contact_lost : part of the second half without normal force [-]; None without a contact
+    energy_dissipated : by the creep forces in the whole run, the steady sliding included [J]; None without a contact
     """
 
     dominant_frequency_hz: float | None
@@ -36,6 +37,7 @@ class Summary:
     wheel_velocity_rms: dict[str, float]
     rail_velocity_rms: dict[str, float]
     contact_lost: float | None
+    energy_dissipated: float | None
 
 
 def spectrum(signal: ArrayLike, interval: float) -> tuple[Real, Real]:
@@ -109,10 +111,12 @@ def summarise(data: xr.Dataset) -> Summary:
     if lateral in data and half.sizes["time"] > 2:
         frequency = dominant_frequency(half[lateral], interval)
         growth = growth_rate(data[lateral], interval)
-    lost = None
+    lost = dissipated = None
     if "contact.normal_force" in half:
         lost = float((half["contact.normal_force"] <= 0).mean())
-    return Summary(frequency, growth, velocity_rms(half, "wheel"), velocity_rms(half, "rail"), lost)
+    if "contact.power_dissipated" in data:
+        dissipated = float(data["contact.power_dissipated"].astype(float).sum()) * interval
+    return Summary(frequency, growth, velocity_rms(half, "wheel"), velocity_rms(half, "rail"), lost, dissipated)
 
 
 def velocity_rms(data: xr.Dataset, component: str) -> dict[str, float]:

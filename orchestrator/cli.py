@@ -26,6 +26,7 @@ from .coupling_commands import coupling
 from .errors import InputError, SimulationError
 from .export_commands import export
 from .outcome import Outcome, as_json
+from .paper import paper
 from .rail_commands import check, rail_app
 from .recording import patterns
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
@@ -209,6 +210,7 @@ def _show(outcome: Outcome) -> None:
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
         "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        "energy residual": _share(sum(p.energy_residual.values()), s.energy_dissipated),
         "spurious growth": outcome.spurious.sentence,
         **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
@@ -218,6 +220,12 @@ def _show(outcome: Outcome) -> None:
     }
     for label, text in lines.items():
         screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
+
+
+def _share(residual: float, dissipated: float | None) -> str:
+    """Return the energy that the coupling added, and against what the contact dissipated."""
+    against = f", {abs(residual / dissipated):.1e} of the {dissipated:.3g} J dissipated" if dissipated else ""
+    return f"{residual:.3g} J in all directions{against}"
 
 
 @app.command()
@@ -271,6 +279,7 @@ app.command()(table4)
 app.command()(listen)
 app.command()(report_commands.report)
 app.command()(competition)
+app.command()(paper)
 
 
 def command_line() -> int:

@@ -1,8 +1,9 @@
 """Contact amplitudes of the Class 158 wheelset, identified from Table 4 of the paper with the finite elements as prior.
 
-Comes in: the generic wheelset's modes (frequencies of Table 4 imposed), the analytical track, the printed crossings.
-Goes out: the lateral and vertical amplitudes of twelve modes and the vertical one of the rigid body, with standard
-deviations. Frequencies, damping, all other modes and the sine families stay as they are.
+Comes in: the generic wheelset's modes (frequencies of Table 4 imposed), the analytical track, the printed crossings,
+and limits of the growth of low modes (`identification_growth.py`). Goes out: the lateral and vertical amplitudes of
+fifteen modes and the vertical one of the rigid body, with standard deviations. Frequencies, damping, all other modes
+and the sine families stay as they are.
 
 `identification_data.py` writes the outcome as the data of `fmus.wheel`.
 """
@@ -17,7 +18,8 @@ from scipy.optimize import differential_evolution, least_squares
 
 from fmus.modal import Modes
 
-from .frequency_domain import Mobility, linear_contact
+from .frequency_domain import linear_contact
+from .identification_growth import LIMITS, FittedRail, GrowthLimits, growth_limits
 from .lateral_model import Crossings, LateralModel, lateral_model
 from .paper_table import CASES, CELL_MODES, PaperTable
 
@@ -36,9 +38,12 @@ GROUPS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = (
 RIGID = ("rigid n=1 symmetric", "rigid n=1 antisymmetric")
 """Rigid-body modes whose normal amplitudes share one factor: the wheelset's mass at the contact is not known either."""
 
-FREE_MODES = tuple(mode for modes, _ in GROUPS for mode in modes)
+AXLE = ("axle n=1 antisymmetric #2", "axle n=1 antisymmetric #3", "axle n=1 symmetric #3")
+"""Bending of the axle at 513, 1061 and 746 Hz, which is part of the normal mobility under the modes of Table 4."""
 
-GAIN_SCATTER = 0.06
+FREE_MODES = (*(mode for modes, _ in GROUPS for mode in modes), *AXLE)
+
+GAIN_SCATTER = 0.02
 SEARCH_SCATTER = 0.1
 """Standard deviations of ln(gain) that the fit and the search before it allow [-]."""
 
@@ -50,7 +55,7 @@ MASS_PRIOR = 0.5
 CLEAR = 0.05
 """Margin in ln(gain) by which a cell must be stable or unstable."""
 
-_PENALTY = 0.03
+_PENALTY = 0.01
 _FREQUENCY_SHARE = 0.85
 """Share of the frequency tolerance that is free of penalty."""
 
@@ -61,7 +66,7 @@ class Amplitudes:
 
     Attributes
     ----------
-    lateral, normal : (12,) of `FREE_MODES` [kg^-1/2]
+    lateral, normal : (15,) of `FREE_MODES` [kg^-1/2]
     mass_factor : on the normal amplitudes of the rigid-body modes [-]
     """
 
@@ -70,7 +75,7 @@ class Amplitudes:
     mass_factor: float
 
     def vector(self, prior: Amplitudes) -> Real:
-        """Return the amplitudes as distances from the prior in its standard deviations, (25,)."""
+        """Return the amplitudes as distances from the prior in its standard deviations, (31,)."""
         return np.concatenate([
             np.log(self.lateral / prior.lateral) / LATERAL_PRIOR,
             (self.normal - prior.normal) / NORMAL_PRIOR,
@@ -97,7 +102,7 @@ class Identification:
     hertz_stiffness : of the contact spring that the fit was made with [N/m]
     cases : cases of the paper that were fitted
     amplitudes : the best ones
-    deviation : (25,) standard deviations of ln(lateral) [-], normal [kg^-1/2] and ln(mass_factor) [-]
+    deviation : (31,) standard deviations of ln(lateral) [-], normal [kg^-1/2] and ln(mass_factor) [-]
     frequency_hz, gain : (4, 8) crossings by the scalar formula; 0 where there is none
     """
 
@@ -120,6 +125,7 @@ class Problem:
     rigid : (2, 2) lateral and normal amplitudes of the rigid-body modes before the factor
     paper : what is fitted
     cases : cases of Table 4 that are fitted; the others are predictions
+    growth : limits of the growth of low modes
     """
 
     model: LateralModel
@@ -127,6 +133,7 @@ class Problem:
     rigid: Real
     paper: PaperTable
     cases: tuple[int, ...]
+    growth: GrowthLimits
 
     def amplitudes(self, vector: Real) -> tuple[Real, Real]:
         """Return lateral and normal amplitudes of all free columns of the model."""
@@ -135,9 +142,11 @@ class Problem:
         return lateral, np.concatenate([a.normal, self.rigid[1] * a.mass_factor])
 
     def residuals(self, vector: Real) -> Real:
-        """Return the residuals over all cells and the distance from the prior."""
-        found = self.model.crossings(*self.amplitudes(vector))
-        return np.concatenate([cell_residuals(found, self.paper, self.model.cells, self.cases, GAIN_SCATTER), vector])
+        """Return the residuals over all cells, beyond the limits of growth, and the distance from the prior."""
+        lateral, normal = self.amplitudes(vector)
+        found = self.model.crossings(lateral, normal)
+        cells = cell_residuals(found, self.paper, self.model.cells, self.cases, GAIN_SCATTER)
+        return np.concatenate([cells, self.growth.residuals(lateral, normal), vector])
 
 
 def cell_residuals(
@@ -161,7 +170,7 @@ def cell_residuals(
     off = np.where(gain > 0.05, np.abs(found.frequency_hz[rows] / target - 1) / paper.tolerance[pick], 2.0)
     parts = [
         np.where(unstable, (log_gain - np.log(wanted)) / scatter, 0.0),
-        np.where(unstable, 5 * np.maximum(off - _FREQUENCY_SHARE, 0), 0.0),
+        np.where(unstable, 10 * np.maximum(off - _FREQUENCY_SHARE, 0), 0.0),
         np.maximum(np.where(unstable, CLEAR - log_gain, log_gain * (gain > 0.05) + CLEAR), 0) / _PENALTY,
         np.maximum(np.log(np.maximum(found.further[rows], 0.1)) + CLEAR, 0) / _PENALTY,
     ]
@@ -171,15 +180,21 @@ def cell_residuals(
 
 
 def identify(
-    modes: Modes, rail: Mobility, paper: PaperTable, hertz_stiffness: float, cases: tuple[int, ...] = CASES
+    modes: Modes,
+    rail: FittedRail,
+    paper: PaperTable,
+    hertz_stiffness: float,
+    cases: tuple[int, ...] = CASES,
+    start: Amplitudes | None = None,
 ) -> Identification:
     """Return the amplitudes that come nearest to Table 4 and to the prior.
 
     Parameters
     ----------
     modes : modes of the prior wheelset, track axes
-    rail : mobility of the rail of Cases 1 and 3
+    rail : the rail of Cases 1 and 3
     cases : cases of Table 4 that are fitted; the others are predictions
+    start : where to begin, such as the outcome at a spring nearly as stiff; None: search
 
     Notes
     -----
@@ -187,15 +202,26 @@ def identify(
     The standard deviations are those of least squares, with the scatter of the residuals of the fit itself.
     """
     problem = make_problem(modes, rail, paper, hertz_stiffness, cases)
-    vector = np.zeros(2 * len(FREE_MODES) + 1)
-    for group in range(len(GROUPS)):
-        vector = _search_group(problem, vector, group)
-    return _polished(problem, vector, hertz_stiffness)
+    if start is None:
+        vector = np.zeros(2 * len(FREE_MODES) + 1)
+        for group in range(len(GROUPS)):
+            vector = _search_group(problem, vector, group)
+        free = replace(problem, growth=replace(problem.growth, limits=()))
+        start = _polished(free, vector, hertz_stiffness).amplitudes
+    return _polished(problem, start.vector(problem.prior), hertz_stiffness)
 
 
-def _polished(problem: Problem, vector: Real, hertz_stiffness: float) -> Identification:
+def assess(
+    modes: Modes, rail: FittedRail, paper: PaperTable, hertz_stiffness: float, amplitudes: Amplitudes
+) -> Identification:
+    """Return given amplitudes with their crossings and standard deviations, without changing them."""
+    problem = make_problem(modes, rail, paper, hertz_stiffness, CASES)
+    return _polished(problem, amplitudes.vector(problem.prior), hertz_stiffness, evaluations=1)
+
+
+def _polished(problem: Problem, vector: Real, hertz_stiffness: float, evaluations: int = 30) -> Identification:
     """Return the outcome of least squares over all amplitudes."""
-    best = least_squares(problem.residuals, vector, max_nfev=60, diff_step=1e-5)
+    best = least_squares(problem.residuals, vector, max_nfev=evaluations, diff_step=1e-5)
     found = problem.model.crossings(*problem.amplitudes(best.x))
     covariance = np.linalg.inv(best.jac.T @ best.jac)
     n = len(FREE_MODES)
@@ -207,19 +233,21 @@ def _polished(problem: Problem, vector: Real, hertz_stiffness: float) -> Identif
 
 
 def make_problem(
-    modes: Modes, rail: Mobility, paper: PaperTable, hertz_stiffness: float, cases: tuple[int, ...]
+    modes: Modes, rail: FittedRail, paper: PaperTable, hertz_stiffness: float, cases: tuple[int, ...]
 ) -> Problem:
     """Return the fit of some cases."""
     falling, constant = (
         linear_contact({"hertz_stiffness": hertz_stiffness, **more}) for more in ({}, {"falling_ratio": 0.0})
     )
     free = [modes.labels.index(f"{name} cosine") for name in (*FREE_MODES, *RIGID)]
-    model = lateral_model(modes, free, rail, (falling, falling, constant, constant))
+    contacts = (falling, falling, constant, constant)
+    model = lateral_model(modes, free, rail.mobility, contacts)
     lateral, normal = (modes.shape[free] @ falling.turn.T)[:, 1:3].T
     sign = np.where(lateral < 0, -1.0, 1.0)
+    limits = growth_limits(modes, free, rail.modes, contacts, [limit for limit in LIMITS if limit.case in cases])
     n = len(FREE_MODES)
     prior = Amplitudes((sign * lateral)[:n], (sign * normal)[:n], 1.0)
-    return Problem(model, prior, np.stack([sign * lateral, sign * normal])[:, n:], paper, cases)
+    return Problem(model, prior, np.stack([sign * lateral, sign * normal])[:, n:], paper, cases, limits)
 
 
 def _search_group(problem: Problem, vector: Real, group: int) -> Real:

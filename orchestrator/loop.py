@@ -4,6 +4,9 @@ Numba calls the FMI functions by address, so a step costs no Python. What happen
 each a list of components. In a stage every component first gets its inputs from the latest outputs, then all make
 their step, then all give their outputs. One stage with everybody is the Jacobi scheme; structures first and the
 contact second is the staggered scheme. An iteration repeats the stages from the state before the step.
+
+All is compiled into one function over borrowed arrays: references that are counted at each call cost 20 times as much
+as the loop does without (three small C FMUs: 10 us per step against 0.4).
 """
 
 from __future__ import annotations
@@ -13,7 +16,17 @@ from collections import namedtuple
 import numpy as np
 from numba import njit
 
-from .loop_calls import call_state, call_step_2, call_step_3, call_values_2, call_values_3, pack, unpack
+from .loop_calls import (
+    asks_to_end,
+    borrowed,
+    call_state,
+    call_step_2,
+    call_step_3,
+    call_values_2,
+    call_values_3,
+    pack,
+    unpack,
+)
 
 OK, SET, STEP, GET, NOT_FINITE, SAVE, RESTORE, NOT_CONVERGED = range(8)
 """What `advance` was doing when it stopped; OK: nothing wrong."""
@@ -70,33 +83,31 @@ Plan = namedtuple(
 """Everything that the loop reads and writes, resolved to indices before the run."""
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untyped-def]
     """Set or get the variables of transfer `t` of component `c`; return the FMI status."""
     first = transfers.reference_begin[t]
     count = transfers.reference_begin[t + 1] - first
+    references = transfers.reference.ctypes.data + 4 * first
     begin = transfers.value_begin[t]
     size = transfers.value_begin[t + 1] - begin
-    function = transfers.function[t]
-    references = transfers.reference.ctypes.data + 4 * first
+    doubles = values.ctypes.data + 8 * begin
     layout = transfers.layout[t]
-    if layout == 0:
-        address = values.ctypes.data + 8 * begin
-    else:
-        address = plan.scratch.ctypes.data
-        if setting:
-            pack(layout, plan.scratch, values[begin : begin + size])
+    address = doubles if layout == 0 else plan.scratch.ctypes.data
+    if setting and layout != 0:
+        pack(layout, address, doubles, size)
+    function = transfers.function[t]
     status: int
     if plan.version[c] == 2:
         status = call_values_2(function, plan.handle[c], references, count, address)  # type: ignore[call-arg]
     else:
         status = call_values_3(function, plan.handle[c], references, count, address, size)  # type: ignore[call-arg]
     if layout != 0 and not setting:
-        unpack(layout, plan.scratch, values[begin : begin + size])
+        unpack(layout, address, doubles, size)
     return status
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
     """Bring the inputs of component `c` up to date with the latest outputs and set them; return the FMI status."""
     transfers = plan.inputs
@@ -110,7 +121,7 @@ def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
     """Get the outputs of component `c`; return the FMI status."""
     transfers = plan.outputs
@@ -120,7 +131,7 @@ def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _do_step(plan, c, number, start, h):  # type: ignore[no-untyped-def]
     """Let component `c` make the step that ends with step `number`; return the FMI status, or `ENDED`."""
     step = plan.period[c] * h
@@ -130,10 +141,10 @@ def _do_step(plan, c, number, start, h):  # type: ignore[no-untyped-def]
         return call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
     answer = plan.answer.ctypes.data + 16 * c
     status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
-    return ENDED if status <= 1 and plan.answer[c].view(np.uint8)[1] != 0 else status
+    return ENDED if status <= 1 and asks_to_end(answer) else status
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _sweep(plan, number, start, h):  # type: ignore[no-untyped-def]
     """Let all components make step `number`; return what was done last, by which component, and the FMI status."""
     for s in range(plan.stage_begin.size - 1):
@@ -153,7 +164,7 @@ def _sweep(plan, number, start, h):  # type: ignore[no-untyped-def]
     return OK, 0, 0
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _states(plan, functions, saving):  # type: ignore[no-untyped-def]
     """Get or set the states of all components; return what was done last, by which component, and the FMI status."""
     for c in range(plan.handle.size):
@@ -164,7 +175,7 @@ def _states(plan, functions, saving):  # type: ignore[no-untyped-def]
     return OK, 0, 0
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _change(plan):  # type: ignore[no-untyped-def]
     """Return the largest change of an input since the last sweep, as a share of the tolerance; remember the values."""
     largest = 0.0
@@ -181,7 +192,7 @@ def _change(plan):  # type: ignore[no-untyped-def]
     return largest
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _step(plan, number, start, h):  # type: ignore[no-untyped-def]
     """Make step `number`, in as many sweeps as the algorithm wants; return as `_sweep` does."""
     if plan.sweeps[0] == 1:
@@ -207,7 +218,7 @@ def _step(plan, number, start, h):  # type: ignore[no-untyped-def]
     return NOT_CONVERGED, plan.sweeps[3], 0
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _count_energy(plan, h):  # type: ignore[no-untyped-def]
     """Add the step's energy: residual h (F_new - F_held) v, and h F_held v into the structure."""
     for b in range(plan.bond_force.size):
@@ -237,6 +248,7 @@ def advance(plan, clock, steps, every, record):  # type: ignore[no-untyped-def]
         for NOT_CONVERGED that in `u`), FMI status
     """
     start, h, first = clock
+    plan = borrowed(plan)  # type: ignore[call-arg]
     rows = 0
     outputs = plan.y.size
     for k in range(steps):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import carray, njit, types  # type: ignore[attr-defined]
 from numba.core import cgutils
 from numba.extending import intrinsic
 
@@ -80,51 +80,94 @@ def call_state(typing_context, address, handle, argument):  # type: ignore[no-un
     return types.int32(*[types.intp] * 3), generate
 
 
+@intrinsic
+def _pointer(typing_context, address):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """Return an address as a pointer."""
+
+    def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), generate
+
+
+# Plain addresses, not arrays: passing arrays on counts references, which costs more than a call of an FMU.
+
+
+@intrinsic
+def borrowed(typing_context, arrays):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """Return a tuple of arrays as one that owns none of them, so that using it counts no references.
+
+    Counting costs more than calling an FMU. The caller keeps the arrays alive.
+    """
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        def bare(kind: Any, value: Any) -> Any:
+            if isinstance(kind, types.Array):
+                array = context.make_array(kind)(context, builder, value)
+                array.meminfo = array.parent = ir.Constant(cgutils.voidptr_t, None)
+                return array._getvalue()
+            for i, each in enumerate(kind.types):
+                value = builder.insert_value(value, bare(each, builder.extract_value(value, i)), i)
+            return value
+
+        return bare(arrays, arguments[0])
+
+    return arrays(arrays), generate
+
+
 @njit(cache=True)
-def pack(layout, memory, values):  # type: ignore[no-untyped-def]
-    """Write doubles into `memory` (uint64 words) in another layout; whole numbers are rounded to."""
-    n = values.size
+def asks_to_end(answer):  # type: ignore[no-untyped-def]
+    """Return whether the answer to a step of FMI 3.0 has the flag that asks to end the simulation."""
+    return carray(_pointer(answer), 3, np.uint8)[1] != 0  # type: ignore[call-arg]
+
+
+@njit(cache=True)
+def pack(layout, memory, values, n):  # type: ignore[no-untyped-def]
+    """Write `n` doubles at address `values` to address `memory` in another layout; whole numbers are rounded to."""
+    doubles = carray(_pointer(values), n, np.float64)  # type: ignore[call-arg]
+    target = _pointer(memory)
     if layout == 1:
-        memory.view(np.float32)[:n] = values
+        carray(target, n, np.float32)[:] = doubles
     elif layout == 2:
-        memory.view(np.int32)[:n] = np.rint(values)
+        carray(target, n, np.int32)[:] = np.rint(doubles)
     elif layout == 3:
-        memory.view(np.int64)[:n] = np.rint(values)
+        carray(target, n, np.int64)[:] = np.rint(doubles)
     elif layout == 4:
-        memory.view(np.uint8)[:n] = values != 0.0
+        carray(target, n, np.uint8)[:] = doubles != 0.0
     elif layout == 5:
-        memory.view(np.int8)[:n] = np.rint(values)
+        carray(target, n, np.int8)[:] = np.rint(doubles)
     elif layout == 6:
-        memory.view(np.uint8)[:n] = np.rint(values)
+        carray(target, n, np.uint8)[:] = np.rint(doubles)
     elif layout == 7:
-        memory.view(np.int16)[:n] = np.rint(values)
+        carray(target, n, np.int16)[:] = np.rint(doubles)
     elif layout == 8:
-        memory.view(np.uint16)[:n] = np.rint(values)
+        carray(target, n, np.uint16)[:] = np.rint(doubles)
     elif layout == 9:
-        memory.view(np.uint32)[:n] = np.rint(values)
+        carray(target, n, np.uint32)[:] = np.rint(doubles)
     else:
-        memory[:n] = np.rint(values)
+        carray(target, n, np.uint64)[:] = np.rint(doubles)
 
 
 @njit(cache=True)
-def unpack(layout, memory, values):  # type: ignore[no-untyped-def]
-    """Read values in a layout from `memory` (uint64 words) as doubles."""
-    n = values.size
+def unpack(layout, memory, values, n):  # type: ignore[no-untyped-def]
+    """Read `n` values in a layout at address `memory` as doubles to address `values`."""
+    doubles = carray(_pointer(values), n, np.float64)  # type: ignore[call-arg]
+    source = _pointer(memory)
     if layout == 1:
-        values[:] = memory.view(np.float32)[:n]
+        doubles[:] = carray(source, n, np.float32)
     elif layout == 2:
-        values[:] = memory.view(np.int32)[:n]
+        doubles[:] = carray(source, n, np.int32)
     elif layout == 3:
-        values[:] = memory.view(np.int64)[:n]
+        doubles[:] = carray(source, n, np.int64)
     elif layout in (4, 6):
-        values[:] = memory.view(np.uint8)[:n]
+        doubles[:] = carray(source, n, np.uint8)
     elif layout == 5:
-        values[:] = memory.view(np.int8)[:n]
+        doubles[:] = carray(source, n, np.int8)
     elif layout == 7:
-        values[:] = memory.view(np.int16)[:n]
+        doubles[:] = carray(source, n, np.int16)
     elif layout == 8:
-        values[:] = memory.view(np.uint16)[:n]
+        doubles[:] = carray(source, n, np.uint16)
     elif layout == 9:
-        values[:] = memory.view(np.uint32)[:n]
+        doubles[:] = carray(source, n, np.uint32)
     else:
-        values[:] = memory[:n]
+        doubles[:] = carray(source, n, np.uint64)

@@ -6,7 +6,6 @@ import ctypes
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,76 +19,14 @@ from .mobility import contact_mobility, with_step
 from .plan import Wiring, make_plan, transfers
 from .rates import period
 from .results import ResultsFile
+from .settings import Progress, Settings
+
+__all__ = ["Master", "Progress", "Settings"]
 
 Rows = NDArray[np.float64]
 
 CHUNK_SECONDS = 0.1
 """Wall time between two returns from the compiled loop, for progress, stop requests and recording."""
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How to run a system.
-
-    Attributes
-    ----------
-    step : communication step [s]
-    duration : simulated time [s]; rounded to a whole number of steps
-    algorithm : name of the master algorithm
-    record_every : record after every this many steps
-    record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
-    timeout : time that a call of an FMU may take, each FMU in a process of its own [s]; None: all in this process
-    """
-
-    step: float
-    duration: float
-    algorithm: str = "staggered"
-    record_every: int = 4
-    record: tuple[str, ...] | None = None
-    timeout: float | None = None
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        if not 0 < self.step < np.inf:
-            raise InputError(f"step = {self.step:g} s: must be > 0")
-        if not self.step <= self.duration < np.inf:
-            raise InputError(f"duration = {self.duration:g} s: must be at least one step of {self.step:g} s")
-        find_algorithm(self.algorithm)
-        if self.record_every < 1:
-            raise InputError(f"record_every = {self.record_every}: must be >= 1")
-        if self.timeout is not None and not 0 < self.timeout < np.inf:
-            raise InputError(f"timeout = {self.timeout:g} s: must be > 0")
-
-    @property
-    def steps(self) -> int:
-        """Number of steps."""
-        return round(self.duration / self.step)
-
-
-@dataclass
-class Progress:
-    """How far a run is.
-
-    Attributes
-    ----------
-    total : steps of the whole run
-    steps : steps made
-    wall : wall time in the loop [s]
-    energy_residual : energy that the scheme adds, by direction [J]
-    energy_into_structures : energy that went through the bonds, by direction [J]
-    stopped : whether a stop was requested before the end
-    sweeps : how often a step was made on average until its values converged; 1 without iteration
-    most_sweeps : the same for the step that took most
-    """
-
-    total: int
-    steps: int = 0
-    wall: float = 0.0
-    energy_residual: dict[str, float] = field(default_factory=dict)
-    energy_into_structures: dict[str, float] = field(default_factory=dict)
-    stopped: bool = False
-    sweeps: float = 1.0
-    most_sweeps: int = 1
 
 
 class Master:

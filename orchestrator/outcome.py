@@ -91,6 +91,7 @@ def as_json(outcome: Outcome) -> str:
         "contact_lost": s.contact_lost,
         "energy_residual": p.energy_residual,
         "energy_into_structures": p.energy_into_structures,
+        "energy_dissipated": s.energy_dissipated,
         "max_growth_rate_error": outcome.spurious.largest,
         "spurious_growth": outcome.spurious.sentence,
         "completed": outcome.error is None and not p.stopped,

@@ -13,15 +13,12 @@ from .acoustics import Sound, sound_of
 from .errors import InputError
 from .figures import draw_directions, draw_sound
 from .limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
+from .paper import Item, Row
 from .results import open_results
 from .run_model import model_of
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
-
-Value = float | str | None
-Row = tuple[str, str, Value, Value, Value]
-"""Quantity, unit, the paper's value (None: it has none), ours, difference."""
 
 CASES = ("case1", "case2", "case3", "case4")
 PAPER_HZ = {"case1": 1100.0, "case2": 1978.0, "case3": 1100.0, "case4": 1978.0}
@@ -31,26 +28,6 @@ SIMILAR_DB = 6.0
 """Levels within this range count as similar: the paper says "quite similar" without a number."""
 
 SAME_TONE = 0.01
-
-
-@dataclass(frozen=True)
-class Item:
-    """One figure or claim of the paper next to ours.
-
-    Attributes
-    ----------
-    label : what the paper calls it, such as "Figure 8"
-    title : what it shows
-    rows : the numbers
-    sentence : what the comparison says, with the reason of every miss
-    figures : pictures that were written
-    """
-
-    label: str
-    title: str
-    rows: tuple[Row, ...] = ()
-    sentence: str = ""
-    figures: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)

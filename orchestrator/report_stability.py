@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fmus.rail.track_data import TRACKS, read_track
@@ -19,13 +20,14 @@ from fmus.rail.track_data import TRACKS, read_track
 from .consistency import Consistency, consistency
 from .eigenloci import Eigenloci
 from .frequency_domain import linear_contact, of_track
-from .paper_table import read_paper_table
+from .paper_table import CASES, CELL_MODES, read_paper_table
 from .stability_case import REPORTED_BELOW_HZ, Stability
 from .stability_commands import find_stability
+from .table4 import Table4
 
 COLOURS = ("#9a9a9a", "#0b5394", "#c2570c")
-STYLES = ("--", "-", ":")
-_RAIL_HZ = np.geomspace(50, 5000, 500)
+STYLES: Any = ("--", "-", ":")
+RAIL_HZ = np.geomspace(50, 5000, 500)
 
 
 def draw_stability(result: Stability, title: str) -> Figure:
@@ -53,7 +55,14 @@ def draw_stability(result: Stability, title: str) -> Figure:
     phase.set(ylabel="phase [degrees]", xlabel="frequency [Hz]", yticks=range(-180, 181, 90), ylim=(-185, 185))
     for panel in axes.values():
         panel.grid(visible=True, alpha=0.3)
-    figure.suptitle(f"{title}: eigenloci of H1 G + H2; * unstable frequencies, + critical point", fontsize="medium")
+    figure.suptitle(f"{title}: eigenloci of H1 G + H2, in the order of their largest modulus", fontsize="medium")
+    handles = [
+        *(Line2D([], [], color=c, ls=s, label=f"eigenlocus {n}")
+          for n, (c, s) in enumerate(zip(COLOURS[::-1], STYLES, strict=True), start=1)),
+        Line2D([], [], color="black", marker="*", linestyle="", markersize=7, label="unstable frequency [Hz]"),
+        Line2D([], [], color="black", marker="+", linestyle="", markersize=9, label="critical point +1"),
+    ]  # fmt: skip
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False)
     return figure
 
 
@@ -94,6 +103,26 @@ def draw_consistency(result: Consistency, frequency_hz: NDArray[np.float64], rai
     return figure
 
 
+def draw_gains(table: Table4) -> Figure:
+    """Return the figure of loop gains: one panel per case, the paper's beside ours."""
+    figure = Figure(figsize=(8, 5), layout="constrained")
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    for case, axes in zip(CASES, panels.flat, strict=True):
+        cells = [next(c for c in table.cells if (c.case, c.mode) == (case, mode)) for mode in CELL_MODES]
+        place = np.arange(len(cells))
+        for shift, name, colour, hatch in ((-0.2, "paper", "0.75", ""), (0.2, "here", "#0b5394", "//")):
+            gains = [(c.paper_gain if name == "paper" else c.gain) or np.nan for c in cells]
+            axes.bar(place + shift, gains, 0.4, label=name, color=colour, hatch=hatch, edgecolor="white")
+        axes.axhline(1.0, color="black", linewidth=0.8)
+        axes.set(yscale="log", ylim=(0.8, 60), title=f"Case {case}", xticks=place, xticklabels=CELL_MODES)
+        axes.set_yticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
+        axes.grid(visible=True, axis="y", alpha=0.3)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("loop gain [-]")
+    panels[0, 1].legend(loc="upper right")
+    return figure
+
+
 def write_figures(folder: Path) -> list[Path]:
     """Write the figures of the four cases and of the consistency of Table 4; return their paths."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -103,10 +132,10 @@ def write_figures(folder: Path) -> list[Path]:
         draw_stability(find_stability(case), case).savefig(paths[-1], dpi=150)
     track = of_track(read_track(TRACKS / "default.toml"))
     falling, constant = linear_contact(), linear_contact({"falling_ratio": 0.0})
-    Y = falling.turn @ track(2 * np.pi * _RAIL_HZ) @ falling.turn.T
+    Y = falling.turn @ track(2 * np.pi * RAIL_HZ) @ falling.turn.T
     paths.append(folder / "consistency.png")
     result = consistency(read_paper_table(), track, falling, constant)
-    draw_consistency(result, _RAIL_HZ, Y[:, 2, 2].real).savefig(paths[-1], dpi=150)
+    draw_consistency(result, RAIL_HZ, Y[:, 2, 2].real).savefig(paths[-1], dpi=150)
     return paths
 
 

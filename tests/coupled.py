@@ -14,7 +14,8 @@ from fmus.interface import INITIAL_VELOCITY, STEP_SIZE, connections
 from fmus.modal import Modes
 from fmus.packaging.system_structure import system_mobility
 from fmus.rail.component import rail, rigid_rail
-from fmus.wheel.component import wheel
+from fmus.wheel.component import wheel as wheel_of
+from fmus.wheel.wheelset import DATA, read_wheelset
 
 Real = NDArray[np.float64]
 
@@ -26,6 +27,11 @@ def modes_of(component: Component) -> Modes:
     """Return the modes that a structure has as start values."""
     values = np.array([v.start for v in component.of("parameter")][:-1], dtype=float).reshape(7, -1)
     return Modes(2 * np.pi * values[0], values[1], values[2:6].T.copy())
+
+
+def wheel() -> Component:
+    """Return the finite-element wheel, which goes with the contact's own stiffness."""
+    return wheel_of(read_wheelset(DATA / "generic840.toml").modes)
 
 
 def rail_of(case: int) -> Component:
@@ -56,10 +62,11 @@ class Coupled:
         velocities: Real | None = None,
         jacobi: bool = False,
         implicit: bool = True,
+        own_wheel: Component | None = None,
         **parameters: float,
     ) -> Coupled:
         """Return the initialised system; `velocities` are the initial modal velocities of wheel, then rail."""
-        parts = [wheel(), rail_of(case)]
+        parts = [own_wheel or wheel(), rail_of(case)]
         instances = [Instance(part, {STEP_SIZE: step_size}) for part in parts]
         if velocities is not None:
             begin = 0

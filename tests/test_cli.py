@@ -48,6 +48,11 @@ def test_run_prints_one_json_object(case1: tuple[Path, dict[str, object]]) -> No
     for key in ("wheel_velocity_rms", "rail_velocity_rms", "energy_residual"):
         assert set(data[key]) == set(DIRECTIONS)  # type: ignore[call-overload]
     assert data["completed"] is True
+    # steady sliding at 0.2 m/s under nearly mu N: 60 kN x 0.277 x 0.2 m/s over 0.05 s; the vibration adds little
+    assert data["energy_dissipated"] == pytest.approx(60e3 * 0.3 * 0.9221199 * 0.2 * 0.05, rel=0.01)
+    assert abs(sum(data["energy_residual"].values())) < 1e-3  # type: ignore[attr-defined]
+    assert 0 < data["max_growth_rate_error"] < 5  # type: ignore[operator]
+    assert "makes no stable mode unstable" in str(data["spurious_growth"])
 
 
 def test_run_leaves_results_csv_and_picture(case1: tuple[Path, dict[str, object]]) -> None:

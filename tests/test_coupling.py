@@ -10,12 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from coupled import Coupled, linear_contact, modes_of, output, rail_of
+from coupled import Coupled, linear_contact, modes_of, output, rail_of, wheel
 from numpy.typing import NDArray
 
 from fmus.contact.component import contact
 from fmus.contact.layout import S
-from fmus.wheel.component import wheel
 from fmus.wheel.wheelset import DATA, read_wheelset
 from orchestrator.stability import Poles, closed_loop_matrix, closed_loop_poles
 from orchestrator.step_map import scheme_error, step_map

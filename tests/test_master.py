@@ -18,6 +18,8 @@ from toy_fmus import toy_fmu, toy_ssd
 
 from fmus.contact.component import contact
 from fmus.interface import DIRECTIONS, PAIRS
+from fmus.wheel.class158 import identified_stiffness
+from fmus.wheel.component import wheel
 from orchestrator.algorithms import Coupling, stages
 from orchestrator.assembly import Assembly, assemble
 from orchestrator.errors import InputError
@@ -59,7 +61,10 @@ def test_master_steps_as_the_components_do_by_hand(case1: System, tmp_path: Path
     """
     path = tmp_path / "r.nc"
     run(case1, Settings(H, 400 * H, algorithm, record_every=1), path)
-    system = Coupled.of(1, H, jacobi=algorithm == "jacobi", pulse_force=100.0, pulse_duration=1e-4)
+    jacobi, stiffness = algorithm == "jacobi", identified_stiffness()
+    system = Coupled.of(
+        1, H, jacobi=jacobi, own_wheel=wheel(), hertz_stiffness=stiffness, pulse_force=100.0, pulse_duration=1e-4
+    )
     record = system.run(400)
     with open_results(path) as data:
         assert data.sizes["time"] == 400
@@ -150,6 +155,31 @@ def test_component_between_the_others_steps_last_when_nobody_tells() -> None:
     feeds = {"a": frozenset({"link"}), "link": frozenset({"a", "b"}), "b": frozenset({"link"})}
     coupling = Coupling(feeds, dict.fromkeys(feeds))
     assert stages("staggered", coupling) == [["a", "b"], ["link"]]
+
+
+def test_order_comes_from_dependencies_then_annotation_then_place() -> None:
+    """What an FMU declares wins over the annotation; the annotation over the place between the others."""
+    feeds = {"a": frozenset({"link"}), "link": frozenset({"a", "b"}), "b": frozenset({"link"})}
+    silent: dict[str, bool | None] = dict.fromkeys(feeds)
+    assert Coupling(feeds, silent).guesses() == [
+        "link does not declare its dependencies; it stands between the others, so it steps last"
+    ]
+    annotated = Coupling(feeds, silent, {"a": 1, "link": 0, "b": 0})
+    assert stages("staggered", annotated) == [["link", "b"], ["a"]]
+    assert annotated.guesses() == []
+    declared = Coupling(feeds, {"a": False, "link": True, "b": False}, {"a": 1, "link": 0})
+    assert stages("staggered", declared) == [["a", "b"], ["link"]]
+
+
+def test_only_the_members_of_a_loop_are_named() -> None:
+    """`late` depends on the loop and feeds nobody; `early` feeds it; the loop is x and y."""
+    feeds = {
+        "early": frozenset[str](), "x": frozenset({"early", "y"}), "y": frozenset({"x"}), "late": frozenset({"y"}),
+    }  # fmt: skip
+    coupling = Coupling(feeds, {"early": False, "x": True, "y": True, "late": True})
+    with pytest.raises(InputError, match="the outputs of x, y depend on each other"):
+        stages("staggered", coupling)
+    assert [set(stage) for stage in stages("iterative", coupling)] == [{"early"}, {"x", "y"}, {"late"}]
 
 
 def test_algebraic_loop_is_named() -> None:

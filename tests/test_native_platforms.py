@@ -92,12 +92,13 @@ def test_one_fmu_holds_binaries_for_all_platforms(everywhere: Path, tmp_path: Pa
     apple = lief.MachO.parse(str(tmp_path / "binaries/darwin64/wheel.dylib"))
     assert apple is not None
     cpus = set()
-    for part in apple:
+    for part in (apple.at(i) for i in range(apple.size)):
+        assert part is not None
         cpus.add(str(part.header.cpu_type).rsplit(".", 1)[-1])
         assert {library.name for library in part.libraries if "wheel" not in library.name} == {
             "/usr/lib/libSystem.B.dylib"
         }
-        exported = {str(s.name) for s in part.exported_symbols}
+        exported = {str(s.name) for s in part.exported_symbols} - {"__mh_dylib_header", "___dso_handle"}
         assert "_fmi2DoStep" in exported
         assert all(name.startswith("_fmi2") for name in exported)
     assert cpus == {"X86_64", "ARM64"}

@@ -13,7 +13,8 @@ from fmus.wheel.component import wheel
 from orchestrator.acoustics import sound_of
 from orchestrator.errors import InputError
 from orchestrator.limit_cycle import LimitCycle, growth_of, limit_cycle
-from orchestrator.paper_time import CASES, PAPER_HZ, SIMILAR_DB, Facts, Item, Row, as_published, items
+from orchestrator.paper import Item, Row
+from orchestrator.paper_time import CASES, PAPER_HZ, SIMILAR_DB, Facts, as_published, items
 from orchestrator.results import open_results
 from orchestrator.run_model import model_of
 from orchestrator.run_model import modes_of as modes_of_values

@@ -17,6 +17,7 @@ from orchestrator.stability import closed_loop_poles
 from orchestrator.stability_case import Instability, Stability, without_normal_motion
 from orchestrator.stability_commands import as_json, find_stability, find_table4
 from orchestrator.stability_inputs import find_rail, find_wheel
+from orchestrator.step_map import scheme_error
 from orchestrator.table4 import Cell, Table4, compare
 
 PAPER = read_paper_table()
@@ -63,9 +64,7 @@ def test_crossing_frequencies(table: Table4) -> None:
 
 
 MISSES = {
-    (1, "(2,0)"): "14.2 printed; +15.3 %: pulled up by what Case 3 lacks, see docs/stability.md",
-    (1, "(3,0)"): "7.997 printed; +17.0 %: pulled up by what Case 3 lacks, see docs/stability.md",
-    (2, "(0,0)"): "269.2 Hz: 2.755 printed; the goal exempts it",
+    (2, "(0,0)"): "269.2 Hz: 2.755 printed; +27 %: coupled to the contact resonance, see docs/stability.md",
 }
 
 
@@ -86,6 +85,30 @@ def test_gains_of_cases_1_2_and_4(table: Table4, case: int, mode: str) -> None:
     """Goal: each within 15 %."""
     found = cell(table, case, mode)
     assert found.gain == pytest.approx(found.paper_gain, rel=0.15)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_low_modes_grow_slowly_enough_for_the_time_domain(cases: dict[int, Stability], case: int) -> None:
+    """Beyond 85 1/s the contact resonance wins on the rigid rail, beyond (3,0) in Case 3 the mode (0,0)."""
+    poles = cases[case].poles
+    assert poles is not None
+    low, grown = poles.frequency_hz, poles.growth_rate
+    if case in (2, 4):
+        assert grown[(low > 150) & (low < 300)].max() < 85
+        assert grown[(low > 1950) & (low < 2010)].max() > 25
+    else:
+        assert grown[(low > 1080) & (low < 1120)].max() > grown[(low > 240) & (low < 300)].max()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_master_steps_the_shipped_cases_exactly_enough(case: int) -> None:
+    """At 5 us every growth rate below 5 kHz within 1 % or 0.05 1/s, with the stiffer spring too."""
+    wheel, rail = find_wheel("class158"), find_rail("modal" if case in (1, 3) else "rigid")
+    assert wheel.modes is not None
+    assert rail.modes is not None
+    law = linear_contact({"falling_ratio": 0.1 if case < 3 else 0.0, **wheel.contact})
+    e = scheme_error(wheel.modes, rail.modes, law, 5e-6)
+    assert (np.abs(e.error) <= np.maximum(0.05, 0.01 * np.abs(e.exact))).all()
 
 
 def test_nothing_hides_behind_a_larger_eigenvalue(cases: dict[int, Stability]) -> None:

@@ -13,6 +13,7 @@ from ..interface import DEFAULT_STEP
 from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..system.component import system
 from ..wheel.component import wheel
+from ..wheel.wheelset import DATA, read_wheelset
 from .archive import write_files
 from .native.fmu import build_native_fmus
 from .native.linker import find_compiler
@@ -104,6 +105,7 @@ def components() -> dict[str, Component]:
     first = read_cases()[0]
     return {
         "wheel": the_wheel,
+        "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
         "rail": the_rail,
         "rail-paper": paper_rail(),
         "rail-rigid": rigid,

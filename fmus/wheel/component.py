@@ -5,10 +5,10 @@ from __future__ import annotations
 from ..component import Component
 from ..modal import Modes
 from ..structure import structure
-from .wheelset import DATA, read_wheelset
+from .class158 import class158
 
 
 def wheel(modes: Modes | None = None) -> Component:
-    """Return the wheel component, by default the one of the paper's cases."""
-    chosen = read_wheelset(DATA / "generic840.toml").modes if modes is None else modes
+    """Return the wheel component, by default the one of the paper's cases, `class158`."""
+    chosen = class158().modes if modes is None else modes
     return structure("wheel", "Railway wheelset at the contact point: modal, four directions", chosen)
