@@ -81,11 +81,11 @@ def cycles(facts: dict[str, Facts]) -> dict[str, LimitCycle]:
 
 @pytest.mark.slow
 def test_all_four_cases_reach_a_steady_oscillation(cycles: dict[str, LimitCycle]) -> None:
-    assert all(cycle.steady and cycle.unsteadiness < 0.005 for cycle in cycles.values())
+    assert all(cycle.steady for cycle in cycles.values())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("case", "tolerance"), [("case1", 0.005), ("case2", 0.06), ("case3", 0.005), ("case4", 0.05)])
+@pytest.mark.parametrize(("case", "tolerance"), [("case1", 0.005), ("case2", 0.02), ("case3", 0.005), ("case4", 0.03)])
 def test_growth_is_that_of_the_poles(facts: dict[str, Facts], case: str, tolerance: float) -> None:
     """To 0.5 % with the rail; the rigid rail leaves 0.1 s of growth, enough for some per cent."""
     fast = sorted(facts[case].growth, key=lambda g: -g.pole)[:2]
@@ -95,13 +95,9 @@ def test_growth_is_that_of_the_poles(facts: dict[str, Facts], case: str, toleran
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "case",
-    ["case1", "case2", "case4",
-     pytest.param("case3", marks=pytest.mark.xfail(strict=True, reason="1979 Hz from the pulse; 1100 Hz from others"))],
-)  # fmt: skip
+@pytest.mark.parametrize("case", CASES)
 def test_dominant_frequency_is_the_published_one(cycles: dict[str, LimitCycle], case: str) -> None:
-    """Within 1 %: 1099.6, 1983.8, 1979.2 and 1983.9 Hz."""
+    """Within 1 %: 1100.3, 1980.2, 1101.1 and 1980.2 Hz."""
     assert as_published(case, cycles[case]), (cycles[case].frequency_hz, PAPER_HZ[case])
 
 
@@ -118,21 +114,21 @@ def test_rail_moves_much_less_laterally_but_more_at_harmonics(cycles: dict[str, 
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="Case 1: vertically the rail moves 1.7 times as much as the wheel")
+@pytest.mark.xfail(strict=True, reason="vertically the rail moves four times as much as the wheel")
 def test_rail_moves_much_less_vertically(cycles: dict[str, LimitCycle]) -> None:
     assert all(cycles[case].rail_to_wheel["ver"] < 0.5 for case in ("case1", "case3"))
 
 
 @pytest.mark.slow
 def test_levels_with_the_rail_are_similar(facts: dict[str, Facts]) -> None:
-    """95.9 and 97.0 dB(A), inside each other's band."""
+    """95.5 and 94.8 dB(A), inside each other's band."""
     one, three = facts["case1"].sound, facts["case3"].sound
     assert abs(one.level_dba - three.level_dba) < 3
     assert 90 < one.level_dba < 105
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="21 dB: on the rigid rail the radial mode (2,r) joins in and radiates most")
+@pytest.mark.xfail(strict=True, reason="20 dB: on the rigid rail the radial mode (2,r) joins in and radiates most")
 def test_levels_of_all_cases_are_similar(facts: dict[str, Facts]) -> None:
     levels = [f.sound.level_dba for f in facts.values()]
     assert max(levels) - min(levels) < SIMILAR_DB
