@@ -18,16 +18,19 @@ from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from . import master, running
+from . import master, report_commands, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json
+from .competition_commands import competition
 from .coupling_commands import coupling
 from .errors import InputError, SimulationError
 from .export_commands import export
 from .outcome import Outcome, as_json
 from .paper import paper
 from .rail_commands import check, rail_app
+from .recording import patterns
 from .scenario import Scenario, built_ssp, parse_sources, parse_values
+from .sound_commands import listen
 from .stability_commands import stability, table4
 from .wheel_commands import wheel_app
 
@@ -96,7 +99,12 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
     seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
     isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
     timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
     csv: Csv = False,
@@ -117,11 +125,12 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         sources=parse_sources(replace or []),
         seed=seed,
         record_every=record_every,
+        record=patterns(record),
         timeout=timeout if isolate else None,
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:
-        outcome = running.run_scenario(scenario, out, running.Report(progress, _notice, csv), keeping)
+        outcome = running.run_scenario(scenario, out, running.Report(progress, _notice, csv, parquet=parquet), keeping)
     _tell(outcome, json)
 
 
@@ -267,6 +276,9 @@ app.command()(export)
 app.command()(coupling)
 app.command()(stability)
 app.command()(table4)
+app.command()(listen)
+app.command()(report_commands.report)
+app.command()(competition)
 app.command()(paper)
 
 

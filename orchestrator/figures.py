@@ -1,9 +1,9 @@
-"""Pictures of a run and of the friction law: data in, PNG files out."""
+"""Pictures of a run, of the friction law and of a competition: data in, PNG files out."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -12,7 +12,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from fmus.interface import DIRECTIONS
+
 from .analysis import sample_interval, spectrum
+from .spectra import a_weighting
+
+if TYPE_CHECKING:
+    from .acoustics import Sound
+    from .tones import Tone
 
 STYLE: Any = {
     "font.size": 9,
@@ -91,3 +98,71 @@ def draw_friction(creepage: np.ndarray, curves: dict[str, np.ndarray], path: Pat
         axes.set_ylim(0, None)
         axes.legend(loc="lower right")
         figure.savefig(path, dpi=150)
+
+
+def draw_competition(title: str, groups: dict[str, list[Tone]], path: Path) -> None:
+    """Draw how often each tone won, with confidence intervals; one group of bars per kind of start."""
+    rows = [(words, tone) for words, tones in groups.items() for tone in tones]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.2 + 0.36 * len(rows)), layout="constrained")
+        axes = figure.subplots()
+        for y, (_, tone) in enumerate(rows):
+            reach = [[100 * (tone.share - tone.low)], [100 * (tone.high - tone.share)]]
+            axes.barh(y, 100 * tone.share, color=COLOURS["wheel"], alpha=0.75, height=0.6)
+            axes.errorbar(100 * tone.share, y, xerr=reach, color="black", capsize=3, linewidth=1)
+        labels = ["at rest" if tone.frequency_hz is None else f"{tone.frequency_hz:.0f} Hz" for _, tone in rows]
+        if len(groups) > 1:
+            labels = [f"{words}: {label}" for (words, _), label in zip(rows, labels, strict=True)]
+        axes.set_yticks(range(len(rows)), labels)
+        axes.invert_yaxis()
+        axes.set(xlim=(0, 100), xlabel="Runs that end in this tone [%], 95 % confidence", title=title)
+        axes.grid(visible=False, axis="y")
+        figure.savefig(path, dpi=150)
+
+
+def draw_directions(data: xr.Dataset, path: Path) -> None:
+    """Draw velocity histories and narrow-band spectra of wheel and rail in all four directions, as Figs 8 to 11."""
+    names = [d for d in DIRECTIONS if f"wheel.v_{d}" in data]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11, 2.3 * len(names) + 0.6), layout="constrained")
+        axes = figure.subplots(len(names), 2, width_ratios=(1.2, 1), squeeze=False)
+        for row, direction in zip(axes, names, strict=True):
+            unit = data[f"wheel.v_{direction}"].attrs.get("units", "")
+            for component in ("wheel", "rail"):
+                name = f"{component}.v_{direction}"
+                if name not in data:
+                    continue
+                signal = data[name].to_numpy().astype(float)
+                look: Any = {"color": COLOURS[component], "label": component}
+                row[0].fill_between(*_envelope(data["time"].to_numpy(), signal), linewidth=0.3, alpha=0.8, **look)
+                frequency, amplitude = spectrum(signal[signal.size // 2 :], sample_interval(data))
+                shown = frequency <= SHOWN_HZ
+                row[1].plot(frequency[shown], np.maximum(amplitude[shown], 1e-12), linewidth=0.6, **look)
+            row[0].set(ylabel=f"{direction} [{unit}]")
+            top = row[1].get_ylim()[1]
+            row[1].set(yscale="log", xlim=(0, SHOWN_HZ), ylim=(top * DECADES, top * 2))
+        axes[-1][0].set(xlabel="Time [s]")
+        axes[-1][1].set(xlabel="Frequency [Hz]")
+        axes[0][0].set(title=f"{data.attrs.get('title', '')}: velocity at the contact point")
+        axes[0][1].set(title="amplitude, second half")
+        axes[0][1].legend(loc="upper right")
+        figure.savefig(path, dpi=110)
+
+
+def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
+    """Draw the A-weighted one-third-octave levels of several runs and their totals with bands, as Fig. 12."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(11, 4), layout="constrained")
+        bands, totals = figure.subplots(1, 2, width_ratios=(2.2, 1))
+        for k, (name, sound) in enumerate(sounds.items()):
+            level = sound.bands.to_numpy() + a_weighting(sound.bands["band"])
+            bands.plot(sound.bands["band"], level, marker="os^D"[k % 4], markersize=4, label=name)
+            reach = [[sound.level_dba - sound.low_dba], [sound.high_dba - sound.level_dba]]
+            totals.bar(k, sound.level_dba, color=f"C{k}", alpha=0.75)
+            totals.errorbar(k, sound.level_dba, yerr=reach, color="black", capsize=4, linewidth=1)
+        low = min((s.low_dba for s in sounds.values() if np.isfinite(s.low_dba)), default=60.0)
+        bands.set(xscale="log", xlabel="Frequency [Hz]", ylabel="Level in one-third octaves [dB(A)]", ylim=(20, None))
+        bands.legend()
+        totals.set(ylabel="Total level [dB(A)]", ylim=(10 * np.floor(low / 10 - 1), None))
+        totals.set_xticks(range(len(sounds)), list(sounds))
+        figure.savefig(path, dpi=110)

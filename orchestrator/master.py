@@ -10,13 +10,13 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
-from . import loop
+from . import loop, recording
 from .algorithms import find_algorithm, stages
 from .assembly import Assembly
 from .errors import InputError, SimulationError
 from .fmu import STATUS, FmuInstance, Value
 from .mobility import contact_mobility, with_step
-from .plan import Wiring, make_plan
+from .plan import Wiring, make_plan, transfers
 from .rates import period
 from .results import ResultsFile
 from .settings import Progress, Settings
@@ -67,6 +67,7 @@ class Master:
         self.wiring = Wiring.of(assembly)
         self.outputs = list(self.wiring.outputs)
         self.directions = list(self.wiring.directions)
+        self.further = recording.recorded(assembly.fmus, settings.record)
         self.progress = Progress(settings.steps)
         self._exit = ExitStack()
         with ExitStack() as stack:
@@ -92,11 +93,12 @@ class Master:
         fmus = self.assembly.fmus
         columns = [
             (f"{name}.{variable}", fmus[name].unit(variable) or "", fmus[name].variables[variable].description or "")
-            for name, variable in self.outputs
+            for name, variable in self.outputs + self.further
         ]
-        return columns + [
+        energy = [
             (f"energy_residual.{d}", "J", f"energy that the coupling scheme added so far, {d}") for d in self.directions
         ]
+        return columns[: len(self.outputs)] + energy + columns[len(self.outputs) :]
 
     def _check_algorithm(self) -> None:
         """Raise InputError if the algorithm repeats steps and a component cannot."""
@@ -197,11 +199,13 @@ class Master:
         h, every, progress = self.settings.step, self.settings.record_every, self.progress
         start = self.assembly.system.start
         size = max(every, 100)
+        further = transfers(self.assembly, self.instances, self.further, "Get")
         while progress.steps < end:
             steps = min(size, end - progress.steps)
-            rows = np.empty((steps // every + 1, self.plan.y.size + len(self.directions)))
+            rows = np.empty((steps // every + 1, len(self.signals())))
             begin = time.perf_counter()
-            done, count, what, where, status = loop.advance(self.plan, (start, h, progress.steps), steps, every, rows)
+            clock = (start, h, progress.steps)
+            done, count, what, where, status = recording.advance(self.plan, further, clock, steps, every, rows)
             elapsed = time.perf_counter() - begin
             first = (progress.steps // every + 1) * every
             progress.wall += elapsed

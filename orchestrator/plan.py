@@ -125,8 +125,8 @@ def make_plan(
         set_state=_whole([instances[name].state_function("Set") if rolling else 0 for name in names]),
         state=np.zeros(len(names), dtype=np.int64),
         answer=np.zeros((len(names), 2)),
-        inputs=_transfers(assembly, instances, ends, "Set"),
-        outputs=_transfers(assembly, instances, wiring.outputs, "Get"),
+        inputs=transfers(assembly, instances, ends, "Set"),
+        outputs=transfers(assembly, instances, wiring.outputs, "Get"),
         u=np.zeros(len(inputs)),
         y=np.zeros(len(wiring.outputs)),
         source=_whole([0 if each.source is None else place_y[each.source] for each in inputs]),
@@ -148,7 +148,7 @@ def make_plan(
     )
 
 
-def _transfers(
+def transfers(
     assembly: Assembly, instances: Mapping[str, FmuInstance], keys: Sequence[Key], direction: str
 ) -> loop.Transfers:
     """Return the calls that set or get variables: one per component and type; `keys` in call order."""

@@ -11,6 +11,7 @@ import csv
 import os
 import struct
 from collections.abc import Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -26,6 +27,10 @@ if TYPE_CHECKING:  # xarray takes a second to import
 
 _COUNT_POSITION = 4
 """Position of the number of records in a classic NetCDF file [bytes]."""
+
+_TIME = "time at the end of a step"
+_DOUBLE = 6
+"""Description of the first variable, and the number that stands for its type."""
 
 
 class ResultsFile:
@@ -50,11 +55,12 @@ class ResultsFile:
         with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET") as data:
             data.createDimension("time", None)
             time = data.createVariable("time", "f8", ("time",))
-            time.units, time.long_name = "s", "time at the end of a step"
+            time.units, time.long_name = "s", _TIME
             for name, unit, description in signals:
                 variable = data.createVariable(name, "f4", ("time",))
                 variable.units, variable.long_name = unit, description
             data.setncatts(dict(attributes))
+        os.truncate(path, _records_begin(path))
         self._open(path, len(signals))
         self.rows = 0
         self.header = self._file.seek(0, 2)
@@ -128,6 +134,20 @@ class ResultsFile:
         self.close()
 
 
+def _records_begin(path: Path) -> int:
+    """Return where the first record of a new file begins [bytes].
+
+    The library leaves a file with a header above 8 kB longer than that. A variable's entry in the header ends with its
+    attributes, its type, the size of one record and the place of the first; `time` is the first variable.
+    """
+    header = path.read_bytes()
+    after = header.find(_TIME.encode()) + 4 * -(-len(_TIME) // 4)
+    kind, size, begin = struct.unpack_from(">iiq", header, after)
+    if (kind, size) != (_DOUBLE, 8) or begin > len(header):
+        raise RuntimeError(f"{path}: the NetCDF library wrote a header of an unknown form")
+    return int(begin)
+
+
 def open_results(path: Path) -> xr.Dataset:
     """Return the results in a file, loaded lazily.
 
@@ -141,12 +161,24 @@ def open_results(path: Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path}: no such results file")
     try:
-        data = xr.open_dataset(path, engine="netcdf4", decode_times=False)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: is not a results file: {error}") from None
+        data = xr.open_dataset(path, engine="scipy", decode_times=False)  # maps the file: ten times faster by column
+    except (OSError, ValueError, TypeError, IndexError) as error:
+        raise InputError(_unreadable(path, error)) from None
     if "time" not in data.dims:
         raise InputError(f"{path}: holds no time axis, so it is not a results file of curvesqueal")
     return data
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    """Return the sentence that says why a file cannot be opened: cut short, or no results file at all."""
+    try:
+        with netCDF4.Dataset(path) as data:
+            rows, row = data.dimensions["time"].size, 8 + 4 * (len(data.variables) - 1)
+        begin = _records_begin(path)
+    except (OSError, KeyError, RuntimeError, struct.error):
+        return f"{path}: is not a results file: {str(error).splitlines()[0]}"
+    there = max(0, path.stat().st_size - begin) // row
+    return f"{path}: is cut short: its header says {rows} rows, {there} are there; copy it again or run again"
 
 
 def write_csv(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:
@@ -163,3 +195,40 @@ def write_csv(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:
 def _parts(data: xr.Dataset, rows: int) -> Iterator[xr.Dataset]:
     for begin in range(0, data.sizes["time"], rows):
         yield data.isel(time=slice(begin, begin + rows)).load()
+
+
+def require_parquet() -> None:
+    """Raise InputError if the library that writes Parquet is not installed."""
+    if find_spec("pyarrow") is None:
+        raise InputError("Parquet needs the package pyarrow: pip install 'curvesqueal[parquet]'")
+
+
+def write_parquet(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:
+    """Write results as Parquet: one column per signal, units and descriptions as metadata of the columns.
+
+    Raises
+    ------
+    InputError
+        If the library pyarrow is not installed.
+    """
+    require_parquet()
+    import pyarrow as pa  # noqa: PLC0415 - an optional dependency
+    from pyarrow.parquet import ParquetWriter  # noqa: PLC0415
+
+    names = ["time", *map(str, data.data_vars)]
+    about = {"unit": "units", "description": "long_name"}
+    schema = pa.schema(
+        [
+            pa.field(
+                name,
+                pa.from_numpy_dtype(data[name].dtype.newbyteorder("=")),
+                metadata={key: str(data[name].attrs.get(attribute, "")) for key, attribute in about.items()},
+            )
+            for name in names
+        ],
+        metadata={key: str(value) for key, value in data.attrs.items()},
+    )
+    with ParquetWriter(path, schema) as writer:
+        for part in _parts(data, rows_at_once):
+            columns = [part[name].to_numpy().astype(part[name].dtype.newbyteorder("=")) for name in names]
+            writer.write_table(pa.table(columns, schema=schema))

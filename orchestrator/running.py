@@ -16,7 +16,8 @@ from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
 from .errors import InputError, SimulationError
 from .master import Master, Progress, Settings
 from .outcome import Outcome, spurious_growth
-from .results import ResultsFile, open_results, write_csv
+from .results import ResultsFile, open_results, require_parquet, write_csv, write_parquet
+from .run_parameters import all_parameters
 from .scenario import Scenario
 from .stopping import stop_on_signals
 
@@ -45,7 +46,7 @@ class Report:
     ----------
     progress : called after each chunk of steps
     notice : called with each sentence that the user should read
-    csv : whether to write the results as CSV, too
+    csv, parquet : whether to write the results in this form, too
     picture : whether to draw histories and spectra
     """
 
@@ -53,6 +54,7 @@ class Report:
     notice: Callable[[str], None] = lambda _: None
     csv: bool = False
     picture: bool = True
+    parquet: bool = False
 
 
 def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keeping | None = None) -> Outcome:
@@ -65,6 +67,8 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     SimulationError
         If a component fails before anything was recorded.
     """
+    if report.parquet:
+        require_parquet()
     assembly, settings = scenario.prepare()
     if keeping is not None:
         check_serialisable(assembly)
@@ -141,6 +145,8 @@ def _finish(path: Path, error: str | None, report: Report) -> tuple[Summary, Pat
                 draw_run(data, picture)
             if report.csv:
                 write_csv(data, path.with_suffix(".csv"))
+            if report.parquet:
+                write_parquet(data, path.with_suffix(".parquet"))
         except OSError as failure:
             said = f"cannot write beside {path}: {failure.strerror or failure}"
             raise SimulationError(f"{error}; {said}" if error else said) from None
@@ -176,6 +182,7 @@ def _attributes(
         "record_every": settings.record_every,
         "seed": -1 if scenario.seed is None else scenario.seed,
         "parameters": json.dumps(master.parameters),
+        "all_parameters": json.dumps(all_parameters(assembly.fmus, master.parameters)),
         "fmus": json.dumps(fmus),
         "versions": json.dumps({"python": platform.python_version(), **{p: version(p) for p in PACKAGES}}),
     }

@@ -40,6 +40,7 @@ class Scenario:
     sources : FMU files that replace a component's own
     seed : random initial modal velocities instead of the force pulse
     record_every : record after every this many steps
+    record : patterns of variables to record besides the outputs; None: the wheel's modal velocities
     timeout : each FMU in a process of its own, and the time that a call may take [s]; None: all in this process
     """
 
@@ -51,6 +52,7 @@ class Scenario:
     sources: Mapping[str, Path] = field(default_factory=dict)
     seed: int | None = None
     record_every: int = 4
+    record: tuple[str, ...] | None = None
     timeout: float | None = None
 
     def prepare(self) -> tuple[Assembly, Settings]:
@@ -65,7 +67,7 @@ class Scenario:
         if duration is None:
             raise InputError(f"{self.system}: says no stop time; give --duration")
         algorithm = self.algorithm or system.algorithm or "staggered"
-        settings = Settings(step, duration, algorithm, self.record_every, self.timeout)
+        settings = Settings(step, duration, algorithm, self.record_every, self.record, self.timeout)
         system = system.with_sources(dict(self.sources))
         fmus = open_fmus(system)
         if self.seed is not None:

@@ -19,6 +19,7 @@ class Settings:
     duration : simulated time [s]; rounded to a whole number of steps
     algorithm : name of the master algorithm
     record_every : record after every this many steps
+    record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
     timeout : time that a call of an FMU may take, each FMU in a process of its own [s]; None: all in this process
     """
 
@@ -26,6 +27,7 @@ class Settings:
     duration: float
     algorithm: str = "staggered"
     record_every: int = 4
+    record: tuple[str, ...] | None = None
     timeout: float | None = None
 
     def __post_init__(self) -> None:

@@ -422,7 +422,7 @@ def test_an_interrupted_run_keeps_its_results(tmp_path: Path, number: signal.Sig
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         path = tmp_path / "case1.nc"
         limit = time.monotonic() + 120
-        while not (path.exists() and path.stat().st_size > 50_000) and time.monotonic() < limit:
+        while not (path.exists() and path.stat().st_size > 300_000) and time.monotonic() < limit:
             time.sleep(0.1)
         process.send_signal(number)
         out, err = process.communicate(timeout=60)
