@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 
 from fmus.packaging.build import Target, build
@@ -13,25 +15,31 @@ settings.register_profile("curvesqueal", deadline=None, derandomize=True)
 settings.load_profile("curvesqueal")
 
 
+def build_once(factory: pytest.TempPathFactory, name: str, target: Target) -> Path:
+    """Build into a folder that all processes of a test run share; who comes second waits."""
+    shared = factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+    folder = shared / f"fmus-{name}"
+    with FileLock(shared / f"fmus-{name}.lock"):
+        if not folder.is_dir():
+            build(shared / f"unfinished-{name}", target).parent.rename(folder)
+    return folder
+
+
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with all FMUs, with a Python body, and the SSP."""
-    folder = tmp_path_factory.mktemp("built")
-    build(folder, Target("python"))
-    return folder
+    return build_once(tmp_path_factory, "built", Target("python"))
 
 
 @pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with all FMUs in machine code, FMI 2, and the SSP."""
-    folder = tmp_path_factory.mktemp("native")
-    build(folder, Target("native"))
-    return folder
+    return build_once(tmp_path_factory, "native", Target("native"))
 
 
 @pytest.fixture(scope="session")
 def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with all FMUs in machine code, FMI 3, and the SSP."""
-    folder = tmp_path_factory.mktemp("native3")
-    build(folder, Target("native", 3))
-    return folder
+    return build_once(tmp_path_factory, "native3", Target("native", 3))

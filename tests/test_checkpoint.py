@@ -20,7 +20,8 @@ from orchestrator.results import ResultsFile
 from orchestrator.running import Keeping, Report, resume, run_scenario
 from orchestrator.scenario import Scenario
 
-SCENARIO = Scenario("case1", duration=0.02, seed=5, record_every=3)
+STEPS = 400_000
+SCENARIO = Scenario("case1", duration=STEPS * 5e-6, seed=5, record_every=300)
 QUIET = Report(picture=False)
 
 
@@ -45,16 +46,16 @@ def test_a_run_goes_on_to_the_bit(tmp_path: Path) -> None:
     with pytest.raises(PowerCutError):
         run_scenario(SCENARIO, tmp_path / "cut", cut_at(900), keeping)
     first = read_checkpoint(keeping.path)
-    assert 0 < first.steps < 4000
+    assert 0 < first.steps < STEPS
     with pytest.raises(PowerCutError):
         resume(keeping.path, cut_at(first.steps + 500), every=0.0)
-    assert first.steps < read_checkpoint(keeping.path).steps < 4000
+    assert first.steps < read_checkpoint(keeping.path).steps < STEPS
     end = resume(keeping.path, QUIET, every=0.0)
-    assert end.progress.steps == 4000
+    assert end.progress.steps == STEPS
     assert end.results.read_bytes() == whole.results.read_bytes()
     assert end.progress.energy_residual == whole.progress.energy_residual
     again = resume(keeping.path, QUIET)  # there is nothing left to do
-    assert again.progress.steps == 4000
+    assert again.progress.steps == STEPS
     assert again.results.read_bytes() == whole.results.read_bytes()
 
 

@@ -20,6 +20,7 @@ from toy_fmus import toy_fmu, toy_ssd
 
 from fmus.interface import DIRECTIONS, connections
 from fmus.modal import state_space
+from fmus.packaging.system_structure import read_cases
 from orchestrator.assembly import assemble
 from orchestrator.errors import InputError, SimulationError
 from orchestrator.fmu import FmuInstance, Value, open_fmu
@@ -220,7 +221,7 @@ def array_rail(built: Path, tmp_path_factory: pytest.TempPathFactory) -> System:
 
 def test_state_space_of_fmi_3_stands_as_the_rail(array_rail: System, built: Path, tmp_path: Path) -> None:
     """Same rail, other FMU: matrices as arrays, mobility probed, FMI 3.0; the same run to 1e-6 of the largest value."""
-    pulse: dict[str, dict[str, Value]] = {"contact": {"pulse_force": 100.0, "pulse_duration": 1e-4}}
+    pulse: dict[str, dict[str, Value]] = {"contact": dict(read_cases()[0].contact)}
     found = {}
     for name, system in (("array", array_rail), ("modal", read_system(built / "curvesqueal.ssp"))):
         path = tmp_path / f"{name}.nc"

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from fmus.interface import connections
+from fmus.packaging.system_structure import read_cases
 from orchestrator.assembly import assemble
 from orchestrator.master import Master, Settings
 from orchestrator.system import read_system
@@ -117,7 +118,7 @@ def test_a_container_of_the_fmu_manipulation_toolbox_agrees(native: Path, expect
             for c in connections()
         ],
         "output": [["contact.fmu", name.removeprefix("contact."), name.removeprefix("contact.")] for name in WATCHED],
-        "start": [["contact.fmu", "pulse_force", 100.0], ["contact.fmu", "pulse_duration", 1e-4]],
+        "start": [["contact.fmu", name, value] for name, value in read_cases()[0].contact.items()],
     }
     (tmp_path / "coupled.json").write_text(json.dumps(system))
     program = Path(sys.executable).parent / "fmucontainer"

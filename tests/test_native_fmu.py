@@ -76,10 +76,10 @@ def test_every_function_of_co_simulation_is_there(request: pytest.FixtureRequest
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_two_native_builds_give_the_same_bytes(native: Path, declared: dict[str, Component], name: str) -> None:
-    again = native.parent / f"again-{name}"
-    again.mkdir(exist_ok=True)
-    file = build_fmus({name: declared[name]}, again, Target("native"))[name]
+def test_two_native_builds_give_the_same_bytes(
+    native: Path, declared: dict[str, Component], name: str, tmp_path: Path
+) -> None:
+    file = build_fmus({name: declared[name]}, tmp_path, Target("native"))[name]
     assert file.read_bytes() == (native / f"{name}.fmu").read_bytes()
 
 

@@ -15,9 +15,10 @@ from fmus.component import Component, Instance
 from fmus.contact.layout import D
 from fmus.packaging.build import components
 from fmus.packaging.sources import kernel_files
+from fmus.packaging.system_structure import read_cases
 from fmus.system.layout import INPUTS, N_CONTACT_DERIVED
 
-PULSE = {"pulse_force": 100.0, "pulse_duration": 1e-4}
+CASE = read_cases()[0].contact
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def declared() -> dict[str, Component]:
 def coupled(declared: dict[str, Component], steps: int, values: dict[str, float], mu0: np.ndarray) -> np.ndarray:
     """Step three instances by hand, structures first, the friction coefficient changing over time."""
     wheel, rail = Instance(declared["wheel"]), Instance(declared["rail"])
-    contact = Instance(declared["contact"], {**PULSE, **values})
+    contact = Instance(declared["contact"], {**CASE, **values})
     for part in (wheel, rail, contact):
         part.initialise()
     place = declared["contact"].parameter_index["mu0"]
@@ -99,9 +100,7 @@ def test_the_contact_stiffness_follows_hertz_when_the_load_changes(declared: dic
     """The approach goes with the load to the power 2/3, so the stiffness with its cube root."""
     system = Instance(declared["curvesqueal"], {"pulse_force": 0.0})
     system.initialise()
-    start = declared["contact"]
-    stiffness = next(v.start for v in start.variables if v.name == "hertz_stiffness")
-    assert stiffness is not None
+    stiffness = CASE["hertz_stiffness"]
     system.inputs[INPUTS.index("normal_load")] = load
     system.do_step(H)
     derived = system.derived[-N_CONTACT_DERIVED:]
@@ -110,7 +109,7 @@ def test_the_contact_stiffness_follows_hertz_when_the_load_changes(declared: dic
     assert system.outputs[names.index("normal_force")] == pytest.approx(load, rel=1e-9)
 
 
-@pytest.mark.parametrize("folder", ["built", "native"])
+@pytest.mark.parametrize("folder", [pytest.param("built", marks=pytest.mark.slow), "native"])
 def test_the_fmu_computes_what_the_component_computes(
     request: pytest.FixtureRequest, declared: dict[str, Component], folder: str
 ) -> None:
