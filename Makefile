@@ -48,8 +48,9 @@ figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), whe
 	$(BIN)/curvesqueal rail figures --out results && $(BIN)/curvesqueal friction && $(BIN)/curvesqueal wheel figures && $(BIN)/curvesqueal stability case1 --out results/stability.png
 
 paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper next to ours (10 minutes)
-	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case || exit 1; done
-	$(BIN)/curvesqueal paper
+	rm -rf results/paper
+	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case --out results/paper || exit 1; done
+	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios
 	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py

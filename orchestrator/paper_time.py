@@ -68,12 +68,12 @@ def items(results_folder: Path, figures: Path) -> list[Item]:
     facts: dict[str, Facts] = {}
     histories = []
     for number, case in enumerate(CASES, start=8):
-        picture = figures / f"figure{number}.png"
+        picture = figures / f"figure-{number}.png"
         with open_results(results_folder / f"{case}.nc") as data:
             facts[case] = facts_of(data)
             draw_directions(data, picture)
         histories.append(history(f"Figure {number}", case, facts[case], picture))
-    return [*histories, radiation(facts, figures / "figure12.png"), *claims(facts)]
+    return [*histories, radiation(facts, figures / "figure-12.png"), *claims(facts)]
 
 
 def facts_of(data: xr.Dataset) -> Facts:
