@@ -224,7 +224,7 @@ def bode(loci: Eigenloci, crossings: tuple[Crossing, ...]) -> Plot:
     """Return the modulus of the dominant eigenlocus against frequency."""
     f, value = _dominant(loci)
     modulus = np.abs(value)
-    keep = _sparse(np.log10(f) / 2 + 1j * np.log10(modulus), np.full(f.size - 1, 1 / PIECES))
+    keep = _sparse(np.log10(f) / 2 + 1j * np.log10(modulus), np.full(f.size - 1, 4 / PIECES))
     x, y = f[keep], modulus[keep]
     ends = [float(x[0]), float(x[-1])]
     limit: Trace = {"x": ends, "y": [1.0, 1.0], "mode": "lines", "type": "scatter", "name": "1", "role": "limit"}
