@@ -29,6 +29,7 @@ with EcosSimulation(ssp_path=sys.argv[1], step_size=float(sys.argv[2])) as simul
 """
 
 
+@pytest.mark.slow
 def test_ecos_runs_the_ssp_and_agrees_with_our_jacobi(built: Path) -> None:
     """Ecos couples by Jacobi, so the same FMUs with our `jacobi` must give its numbers.
 

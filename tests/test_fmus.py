@@ -26,7 +26,7 @@ def declared() -> dict[str, Component]:
     return components()
 
 
-@pytest.fixture(scope="module", params=["built", "native"])
+@pytest.fixture(scope="module", params=[pytest.param("built", marks=pytest.mark.slow), "native"])
 def flavour(request: pytest.FixtureRequest) -> Path:
     """Return the folder of the Python or of the native FMUs."""
     folder: Path = request.getfixturevalue(request.param)
@@ -128,6 +128,7 @@ def test_state_is_complete(flavour: Path, declared: dict[str, Component], name: 
     slave.close()
 
 
+@pytest.mark.slow
 def test_all_fmus_and_two_versions_of_one_work_in_a_process(
     built: Path, declared: dict[str, Component], tmp_path: Path
 ) -> None:
