@@ -78,7 +78,7 @@ def operations(instance: Instance) -> float:
 
 
 def master_time(case: str, steps: int = 10_000) -> float:
-    """Return the time of one step of a case: three Python FMUs through FMI in the compiled loop [s]."""
+    """Return the time of one step of a case: three FMUs through FMI in the compiled loop [s]."""
     assembly, _ = Scenario(case).prepare()
 
     def measure() -> float:
