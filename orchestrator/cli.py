@@ -20,7 +20,7 @@ from fmus.interface import DIRECTIONS
 
 from . import master, report_commands, running
 from .algorithms import ALGORITHMS
-from .command_tools import Json
+from .command_tools import Json, Replace, Seed, Values
 from .competition_commands import competition
 from .coupling_commands import coupling
 from .errors import InputError, SimulationError
@@ -93,11 +93,9 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Annotated[
-        list[str] | None, typer.Option("--set", help="Parameter, such as contact.mu0=0.35. Repeatable.")
-    ] = None,
-    replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
+    values: Values = None,
+    replace: Replace = None,
+    seed: Seed = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
         list[str] | None,

@@ -13,6 +13,9 @@ from .errors import InputError
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite a file that is there.")]
+Values = Annotated[list[str] | None, typer.Option("--set", help="Parameter, such as contact.mu0=0.35. Repeatable.")]
+Replace = Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")]
+Seed = Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")]
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from .command_tools import Json
+from .command_tools import Json, Replace, Values
 from .errors import InputError
 from .scenario import Scenario, parse_sources, parse_values
 
@@ -20,10 +20,8 @@ screen = Console()
 def coupling(
     system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
-    values: Annotated[
-        list[str] | None, typer.Option("--set", help="Parameter, such as contact.mu0=0.35. Repeatable.")
-    ] = None,
-    replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
+    values: Values = None,
+    replace: Replace = None,
     json: Json = False,
 ) -> None:
     """Show what each master algorithm does to the growth rates, mode by mode, and the largest safe step.

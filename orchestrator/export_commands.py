@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from .algorithms import ALGORITHMS
-from .command_tools import Force, Json, user_mistakes
+from .command_tools import Force, Json, Replace, Seed, Values, user_mistakes
 from .errors import InputError
 from .scenario import Scenario, parse_sources, parse_values
 
@@ -22,11 +22,9 @@ def export(  # noqa: PLR0913, PLR0917 - one argument per option
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system says.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Annotated[
-        list[str] | None, typer.Option("--set", help="Parameter, such as contact.mu0=0.35. Repeatable.")
-    ] = None,
-    replace: Annotated[list[str] | None, typer.Option(help="Other FMU in a place: rail=FILE.fmu. Repeatable.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Start from random modal velocities, not from the pulse.")] = None,
+    values: Values = None,
+    replace: Replace = None,
+    seed: Seed = None,
     force: Force = False,
     json: Json = False,
 ) -> None:

@@ -64,11 +64,8 @@ def step_map(
     if algorithm == COMPENSATED:
         return _compensated_step_map(wheel, rail, contact, h)
     rule = find_algorithm(algorithm)
-    open_system = OpenSystem.of(wheel, rail, contact.turn)
-    R = open_system.R
+    R, phi, drive = _sampled(wheel, rail, contact, h)
     n = R.shape[1]
-    phi, gamma = _exact_step(open_system.A, n, h)
-    drive = gamma @ R.T
     Y = R @ drive[:n]
     unit = np.eye(2 * n + (12 if displacements else 13))
     now, held, before, v_before, compression = np.split(unit, [2 * n, 2 * n + 4, 2 * n + 8, 2 * n + 12])
@@ -88,17 +85,22 @@ def step_map(
     return np.vstack([stepped, forces, held, v, *kept])
 
 
+def _sampled(wheel: Modes, rail: Modes, contact: LinearContact, h: float) -> tuple[Real, Real, Real]:
+    """Return the shapes of all modes in contact axes, their exact step, and their answer to held contact forces."""
+    open_system = OpenSystem.of(wheel, rail, contact.turn)
+    R = open_system.R
+    phi, gamma = _exact_step(open_system.A, R.shape[1], h)
+    return R, phi, gamma @ R.T
+
+
 def _compensated_step_map(wheel: Modes, rail: Modes, contact: LinearContact, h: float) -> Real:
     """Return the matrix of one Jacobi step with a contact that makes up for its late inputs.
 
     The state of `step_map`, then the forces before those and the rests of the last two changes of the velocities, see
     `fmus.contact.prediction`: (2n + 24, 2n + 24).
     """
-    open_system = OpenSystem.of(wheel, rail, contact.turn)
-    R = open_system.R
+    R, phi, drive = _sampled(wheel, rail, contact, h)
     n = R.shape[1]
-    phi, gamma = _exact_step(open_system.A, n, h)
-    drive = gamma @ R.T
     Y = R @ drive[:n]
     unit = np.eye(2 * n + 24)
     now, held, before, v_before, older, b1, b2 = np.split(unit, range(2 * n, len(unit), 4))

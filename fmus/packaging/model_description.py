@@ -19,13 +19,6 @@ VARIABILITY = {
 }
 
 
-CAPABILITIES = {
-    2: {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"},
-    3: {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
-}
-"""What every FMU can do, as the FMI versions write it."""
-
-
 def model_description(component: Component, version: str, content: str, derivatives: bool = False) -> Element:
     """Return the root element of modelDescription.xml for FMI 2.0.
 
@@ -42,7 +35,8 @@ def model_description(component: Component, version: str, content: str, derivati
         "needsExecutionTool": "false",
         "canHandleVariableCommunicationStepSize": "true",
         "canNotUseMemoryManagementFunctions": "true",
-        **CAPABILITIES[2],
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
     }
     if derivatives:
         options["providesDirectionalDerivative"] = "true"
@@ -56,18 +50,23 @@ def model_description(component: Component, version: str, content: str, derivati
     _model_structure(root, component)
     # the schema wants CoSimulation before UnitDefinitions
     root[:2] = [root[1], root[0]]
+    identify(root, component, version, content, ("2.0", "guid"))
+    return root
+
+
+def identify(root: Element, component: Component, version: str, content: str, names: tuple[str, str]) -> None:
+    """Give the finished root its attributes; `names` are the FMI version and what it calls the identifier."""
     body = "".join(tostring(child, "unicode") for child in root)
     root.attrib = {
-        "fmiVersion": "2.0",
+        "fmiVersion": names[0],
         "modelName": component.name,
-        "guid": f"{{{uuid5(NAMESPACE_URL, body + content + version)}}}",
+        names[1]: f"{{{uuid5(NAMESPACE_URL, body + content + version)}}}",
         "description": component.description,
         "version": version,
         "license": "BSD-3-Clause",
         "generationTool": f"curvesqueal {version}",
         "variableNamingConvention": "flat",
     }
-    return root
 
 
 def unit_definitions(root: Element, component: Component) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from uuid import NAMESPACE_URL, uuid5
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from ..component import Component
 from ..interface import DEFAULT_STEP
 from .arrays import Array, arrays
-from .model_description import CAPABILITIES, log_categories, roles, type_attributes, unit_definitions
+from .model_description import identify, log_categories, roles, type_attributes, unit_definitions
 
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 TIME = "time"
@@ -31,7 +30,8 @@ def model_description3(component: Component, version: str, content: str) -> Elem
         "needsExecutionTool": "false",
         "canHandleVariableCommunicationStepSize": "true",
         "hasEventMode": "false",
-        **CAPABILITIES[3],
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
     }
     if component.differentiable:
         options["providesDirectionalDerivatives"] = "true"
@@ -47,17 +47,7 @@ def model_description3(component: Component, version: str, content: str) -> Elem
         variability="continuous", unit="s", description="time",
     )  # fmt: skip
     _model_structure(root, groups)
-    body = "".join(tostring(child, "unicode") for child in root)
-    root.attrib = {
-        "fmiVersion": "3.0",
-        "modelName": component.name,
-        "instantiationToken": f"{{{uuid5(NAMESPACE_URL, body + content + version)}}}",
-        "description": component.description,
-        "version": version,
-        "license": "BSD-3-Clause",
-        "generationTool": f"curvesqueal {version}",
-        "variableNamingConvention": "flat",
-    }
+    identify(root, component, version, content, ("3.0", "instantiationToken"))
     return root
 
 

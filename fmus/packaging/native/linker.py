@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
@@ -33,6 +34,7 @@ class Compiler:
     is_zig: bool
 
 
+@cache
 def find_compiler(platform: str) -> Compiler | None:
     """Return a compiler for a platform: Zig if it is installed, else the host's own for its own platform."""
     if find_spec("ziglang") is not None:
