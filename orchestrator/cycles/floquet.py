@@ -1,0 +1,132 @@
+"""Whether a cycle lasts: the growth of small perturbations over a period (monodromy matrix)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.structure import N_MOBILITIES, tabulate
+
+from .balance import Balance, State
+from .measures import Motion, motion_of, over_a_period
+from .model import NORMAL, SquealModel
+from .sampling import sample_slopes, step_perturbations
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LONGEST_STEP = 8e-6
+"""Longest step of the perturbations [s]."""
+
+FEWEST_STEPS = 512
+
+PHASE = 0.9
+"""Overlap with the cycle's own time derivative from which on an exponent is that of the phase."""
+
+_NEAR_ZERO = 5.0
+
+
+@dataclass(frozen=True)
+class Floquet:
+    """Exponents of a cycle: growth rates of perturbations.
+
+    Attributes
+    ----------
+    exponents : (2n - 1,) without that of the phase, the largest growth first [1/s]; the imaginary part is an angular
+        frequency between -omega/2 and omega/2
+    phase : exponent of the phase as it was found; exactly 0 without numerical error [1/s]
+    overlap : of its vector with the time derivative of the cycle, 0 to 1
+    """
+
+    exponents: Complex
+    phase: float
+    overlap: float
+
+    @property
+    def largest(self) -> complex:
+        """The exponent that grows fastest, of a pair the one with positive frequency."""
+        first = complex(self.exponents[0])
+        return complex(first.real, abs(first.imag))
+
+
+def floquet(balance: Balance, state: State) -> Floquet:
+    """Return the exponents of a cycle.
+
+    Notes
+    -----
+    Each mode steps exactly with the force of a step held; the slope of the law is the mean of those at the ends of the
+    step, and the force it makes of the mean of the motion at both ends is solved for. The phase is told by its vector,
+    not by its value: numerical errors move it, and an amplitude exponent may lie nearer to zero.
+    """
+    model, motion = balance.model_of(state), motion_of(balance, state)
+    matrix = monodromy(model, motion)
+    period = 2 * np.pi / state.omega
+    values = np.linalg.eigvals(matrix).astype(complex)
+    with np.errstate(divide="ignore"):
+        exponents = np.log(values) / period
+    own = _energy(model, _derivative(motion))
+    near = np.flatnonzero(np.abs(exponents) < _NEAR_ZERO)
+    overlaps = [abs(own @ _energy(model, _vector(matrix, complex(values[k])))) for k in near]
+    if not overlaps:
+        return Floquet(exponents[np.argsort(-exponents.real)], float("nan"), 0.0)
+    phase = near[int(np.argmax(overlaps))]
+    others = np.delete(exponents, phase)
+    return Floquet(others[np.argsort(-others.real)], float(exponents[phase].real), float(max(overlaps)))
+
+
+def _vector(matrix: Real, value: complex) -> Complex:
+    """Return the eigenvector of an eigenvalue, by inverse iteration."""
+    shifted = matrix - value * (1 + 1e-10) * np.eye(len(matrix))
+    vector = np.ones(len(matrix), complex)
+    for _ in range(2):
+        vector = np.linalg.solve(shifted, vector)
+        vector /= np.linalg.norm(vector)
+    return vector
+
+
+def monodromy(model: SquealModel, motion: Motion, steps: int | None = None) -> Real:
+    """Return what one period makes of perturbations of the modal velocities and displacements, (2n, 2n)."""
+    period = 2 * np.pi / motion.omega
+    N = steps or max(FEWEST_STEPS, int(np.ceil(period / LONGEST_STEP)))
+    tables, active = exact_steps(model, period / N), model.active
+    shapes = np.ascontiguousarray(model.shapes[list(active)])
+    instance = model.instance
+    at_ends = np.empty((N, len(active), len(active)))
+    sample_slopes(instance.parameters, instance.derived, np.array(active), over_a_period(motion.relative, N), at_ends)
+    slopes = 0.5 * (at_ends + np.roll(at_ends, -1, axis=0))
+    n = model.omega.size
+    normal = np.array([a == NORMAL for a in active])[:, None]
+    per_velocity = np.where(normal, tables[3], 1 + tables[0])
+    per_displacement = np.where(normal, 1 + tables[4], tables[1])
+    per_force = np.where(normal, tables[5], tables[2])
+    mean = np.hstack([shapes * per_velocity, shapes * per_displacement])
+    own = (shapes * per_force) @ shapes.T
+    answers = np.linalg.solve(np.eye(len(active)) - 0.5 * slopes @ own, 0.5 * slopes)
+    state = np.eye(2 * n)
+    step_perturbations(tables, shapes, mean, answers, state)
+    return state
+
+
+def exact_steps(model: SquealModel, h: float) -> Real:
+    """Return the exact step of every mode with the force held, (6, n); see `fmus.structure.tabulate`."""
+    n = model.omega.size
+    parameters = np.concatenate([model.omega / (2 * np.pi), model.zeta, np.zeros(5 * n), [h]])
+    derived = np.zeros(N_MOBILITIES + 1 + 6 * n)
+    tabulate(parameters, derived, h)
+    return derived[N_MOBILITIES + 1 :].reshape(6, n)
+
+
+def _derivative(motion: Motion) -> Real:
+    """Return the time derivative of modal velocities and displacements at the start of the period, (2n,)."""
+    s = 1j * motion.omega * np.arange(len(motion.forces))[:, None]
+    modal = np.hstack([motion.wheel_modal, motion.rail_modal])
+    return np.concatenate([over_a_period(s**k * modal)[0] for k in (2, 1)])
+
+
+def _energy(model: SquealModel, vectors: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return states weighted by the root of their energy and scaled to length one."""
+    weight = np.concatenate([np.ones_like(model.omega), model.omega])
+    weighted = (vectors.T * weight).T
+    return np.asarray(weighted / np.linalg.norm(weighted, axis=0))
