@@ -13,15 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .model import LON, NORMAL, SPIN, SPIN_ARM, SquealModel
+from ..stability.poles import NORMAL
+from .model import LAT, LON, SPIN, SPIN_ARM, SquealModel
 from .sampling import sample_forces, sample_slopes
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 AMPLITUDE_SCALE = 0.1
 """Velocity that counts as one [m/s]."""
@@ -245,6 +247,6 @@ class Balance:
 def reference_of(active: tuple[int, ...], motion: Complex) -> int:
     """Return the direction whose motion, (4,) of an eigenvector, is taken as reference: lat where it moves at all."""
     size = np.abs(motion) * (1.0, 1.0, 0.0, SPIN_ARM)
-    if size[1] > 1e-6 * size.max():
-        return 1
+    if size[LAT] > 1e-6 * size.max():
+        return LAT
     return max((a for a in active if a != NORMAL), key=lambda a: (size[a], a == LON))

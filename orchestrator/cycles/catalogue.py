@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from .model import SquealModel
 from .refinement import Refined, refine
 from .tracing import Pole, Trace, find_poles, trace
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating[Any]]
 
 HIGHEST_HZ = 6500.0
 """Poles up to here are followed [Hz]: the modes of the wheels end there."""
@@ -30,6 +31,9 @@ NEAR = -1.0
 
 SAME_HZ, SAME_AMPLITUDE = 0.05, 2e-3
 """Cycles that are nearer than this in frequency [Hz] and amplitude [m/s] are one."""
+
+NEAR_TONE = 0.05
+"""Relative distance from a tone within which poles are followed that it may be born from."""
 
 COARSE = Truncation(6, 64)
 RIGID = Truncation(12, 128)
@@ -128,7 +132,7 @@ class Catalogue:
         """
         close = [c for c in self.cycles if abs(c.frequency_hz / frequency_hz - 1) < 0.02]
         if not close:
-            raise InputError(f"no cycle within 2 % of {frequency_hz:g} Hz; {self.nearest_words(frequency_hz)}")
+            raise InputError(f"no tone within 2 % of {frequency_hz:g} Hz; {self.nearest_words(frequency_hz)}")
         return max(close, key=lambda c: (c.stable is True, c.amplitude))
 
     def nearest_words(self, frequency_hz: float) -> str:
@@ -146,7 +150,7 @@ class Catalogue:
         return f"no tone: quiet, nearest pole {p.frequency_hz:.1f} Hz with {p.growth_rate:.3g} 1/s"
 
 
-def find_cycles(  # noqa: PLR0913 - one argument per choice
+def find_cycles(
     model: SquealModel,
     *,
     tone_hz: float | None = None,
@@ -159,7 +163,7 @@ def find_cycles(  # noqa: PLR0913 - one argument per choice
 
     Parameters
     ----------
-    tone_hz : only the poles within 2 % of this frequency, or the nearest one
+    tone_hz : only the poles within 5 % of this frequency
     with_stability : whether to judge whether they last
     down_to : growth rate down to which stable poles are followed [1/s]
     radiator : what makes a level of the motion
@@ -169,7 +173,8 @@ def find_cycles(  # noqa: PLR0913 - one argument per choice
         poles = tuple(p for p in find_poles(model) if p.frequency_hz < HIGHEST_HZ)
         chosen = _chosen(poles, tone_hz, down_to)
         truncation = COARSE if len(model.rail) else RIGID
-        traces, found, notes = [], [], []
+        traces, notes = list[Trace](), list[str]()
+        found: list[Cycle] = []
         for number, pole in enumerate(chosen):
             report(f"pole at {pole.frequency_hz:.0f} Hz", number, len(chosen))
             curve = trace(model, pole, truncation)
@@ -183,11 +188,15 @@ def find_cycles(  # noqa: PLR0913 - one argument per choice
 
 def _chosen(poles: Iterable[Pole], tone_hz: float | None, down_to: float) -> list[Pole]:
     """Return the poles to follow, the unstable ones first."""
-    near = [p for p in poles if p.growth_rate > down_to]
-    if tone_hz is not None:
-        close = [p for p in near if abs(p.frequency_hz / tone_hz - 1) < 0.02]
-        near = close or sorted(near, key=lambda p: abs(p.frequency_hz - tone_hz))[:1]
-    return sorted(near, key=lambda p: -p.growth_rate)
+    near = sorted((p for p in poles if p.growth_rate > down_to), key=lambda p: -p.growth_rate)
+    if tone_hz is None or not near:
+        return near
+    close = [p for p in near if abs(p.frequency_hz / tone_hz - 1) < NEAR_TONE]
+    if close:
+        return close
+    named = [p.frequency_hz for p in near if p.growth_rate > 0] or [p.frequency_hz for p in near]
+    words = ", ".join(f"{f:.1f}" for f in sorted(sorted(named, key=lambda f: abs(f - tone_hz))[:3]))
+    raise InputError(f"no tone near {tone_hz:g} Hz: the nearest poles that could make one are at {words} Hz")
 
 
 def _refined(curve: Trace) -> tuple[list[Refined], list[str]]:
@@ -196,8 +205,8 @@ def _refined(curve: Trace) -> tuple[list[Refined], list[str]]:
     if not curve.amplitude.size:
         return [], [f"{place}: not followed, its curve {curve.ended}"]
     notes = []
-    if curve.ended in ("cannot be followed further", "too many points"):
-        notes.append(f"{place}: its curve {curve.ended} than {curve.amplitude[-1]:.3f} m/s" if curve.ended.startswith("cannot") else f"{place}: its curve was left at {curve.amplitude[-1]:.3f} m/s after {curve.amplitude.size} points")
+    if not curve.complete:
+        notes.append(f"{place}: its curve {curve.ended} {curve.amplitude[-1]:.3f} m/s")
     refined = []
     for crossing in curve.crossings:
         cycle = refine(curve.balance, crossing)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating[Any]]
 
 TOLERANCE = 1e-9
 """Largest scaled residual of a solution."""
@@ -68,21 +68,21 @@ def newton(equations: Equations, x: Real, row: Real, value: float, limit: int = 
     limit : largest number of steps
     """
     residual, jacobian = equations.linearise(x)
-    size = _size(residual, row @ x - value)
+    size = _size(residual, float(row @ x) - value)
     for iteration in range(limit):
         if size < TOLERANCE:
             return Solution(x, size, iteration, jacobian)
-        step = np.linalg.solve(np.vstack([jacobian, row]), -np.append(residual, row @ x - value))
+        step = np.linalg.solve(np.vstack([jacobian, row]), -np.append(residual, float(row @ x) - value))
         trial = x + step
         trial_residual, trial_jacobian = equations.linearise(trial)
-        if _size(trial_residual, row @ trial - value) > 0.9 * size:
+        if _size(trial_residual, float(row @ trial) - value) > 0.9 * size:
             damped = _damped(equations, x, step, row, value, size)
             if damped is None:
                 return Solution(x, size, iteration + 1, jacobian)
             trial = damped
             trial_residual, trial_jacobian = equations.linearise(trial)
         x, residual, jacobian = trial, trial_residual, trial_jacobian
-        size = _size(residual, row @ x - value)
+        size = _size(residual, float(row @ x) - value)
     return Solution(x, size, limit, jacobian)
 
 
@@ -95,7 +95,7 @@ def _damped(equations: Equations, x: Real, step: Real, row: Real, value: float, 
     damping = 0.5
     while damping >= _SMALLEST_DAMPING:
         trial = x + damping * step
-        if _size(equations.residual(trial), row @ trial - value) < size * (1 - 0.1 * damping):
+        if _size(equations.residual(trial), float(row @ trial) - value) < size * (1 - 0.1 * damping):
             return trial
         damping /= 2
     return None

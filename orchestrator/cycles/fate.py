@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from .hill import Sidebands, hill
 from .model import LAT
 from .refinement import solve_free
 
-Complex = NDArray[np.complex128]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 UNDECIDED = 0.02
 """Growth rate below which, either sign, nothing is said about stability [1/s]."""
@@ -38,6 +39,7 @@ class Stability:
     sidebands : the fastest growing perturbation at frequencies; None where the exponent is real or it was not found
     error : what the exponent may be off by: the difference of both ways, or the phase's distance from zero [1/s]
     kind : stable, undecided, threshold, sidebands or period doubling
+    threshold : whether a perturbation without frequency grows: less than the cycle falls, more rises
     sideband_hz : frequencies of the strongest lines of the perturbation [Hz]
     """
 
@@ -45,12 +47,18 @@ class Stability:
     sidebands: Sidebands | None
     error: float
     kind: str
+    threshold: bool
     sideband_hz: tuple[float, ...]
 
     @property
     def largest(self) -> complex:
         """The exponent that grows fastest [1/s]."""
         return self.floquet.largest
+
+    @property
+    def largest_hz(self) -> float:
+        """Its frequency [Hz]."""
+        return self.largest.imag / (2 * np.pi)
 
     @property
     def stable(self) -> bool | None:
@@ -60,15 +68,13 @@ class Stability:
     @property
     def words(self) -> str:
         """The fate in words."""
-        rate = f"grows with {self.largest.real:.3g} 1/s"
+        first = "threshold: less falls, more rises" if self.threshold else ""
         if self.kind == "sidebands":
             lines = " and ".join(f"{f:.0f}" for f in self.sideband_hz)
-            return f"breaks up through sidebands at {lines} Hz"
+            return "; ".join(filter(None, (first, f"breaks up through sidebands at {lines} Hz")))
         if self.kind == "period doubling":
-            return f"period doubles: a line at {self.sideband_hz[0]:.1f} Hz grows"
-        if self.kind == "threshold":
-            return f"threshold: less dies out or falls, more rises ({rate})"
-        return {"stable": "stable", "undecided": "not decided: exponent within its error of zero"}[self.kind]
+            return "; ".join(filter(None, (first, f"period doubles: a line at {self.sideband_hz[0]:.1f} Hz grows")))
+        return {"stable": "stable", "undecided": "not decided: its exponent is nearly zero"}.get(self.kind, first)
 
 
 def stability(balance: Balance, state: State) -> tuple[Balance, State, Stability]:
@@ -99,23 +105,28 @@ def stability(balance: Balance, state: State) -> tuple[Balance, State, Stability
 
 def _judge(balance: Balance, state: State, exponents: Floquet) -> Stability:
     """Put exponents into words."""
-    largest, omega = exponents.largest, state.omega
-    complex_pair = abs(largest.imag) > 2 * np.pi * _REAL_HZ
-    sidebands = hill(balance, state, largest) if complex_pair else None
+    largest = exponents.largest
+    pair = not _is_real(largest)
+    sidebands = hill(balance, state, largest) if pair else None
     error = abs(exponents.phase) if np.isfinite(exponents.phase) else float("inf")
     if sidebands is not None:
         error = abs(sidebands.exponent.real - largest.real)
-    kind = "stable"
-    if not largest.real < -UNDECIDED:
-        kind = "undecided" if largest.real < UNDECIDED else "sidebands"
-        if kind == "sidebands" and abs(largest.imag) / omega > 0.5 - _HALF:
-            kind = "period doubling"
-        elif kind == "sidebands" and not complex_pair:
-            kind = "threshold"
+    if largest.real < UNDECIDED:
+        kind = "stable" if largest.real < -UNDECIDED else "undecided"
+    elif not pair:
+        kind = "threshold"
+    else:
+        kind = "period doubling" if abs(largest.imag) / state.omega > 0.5 - _HALF else "sidebands"
     lines = () if sidebands is None else strongest_lines(balance, state, sidebands)
     if kind == "period doubling":
         lines = (state.frequency_hz / 2,)
-    return Stability(exponents, sidebands, float(error), kind, lines)
+    growing = exponents.exponents[exponents.exponents.real > UNDECIDED]
+    return Stability(exponents, sidebands, float(error), kind, any(map(_is_real, growing)), lines)
+
+
+def _is_real(exponent: complex) -> bool:
+    """Whether an exponent is that of a perturbation without frequency."""
+    return abs(exponent.imag) < 2 * np.pi * _REAL_HZ
 
 
 def strongest_lines(balance: Balance, state: State, sidebands: Sidebands, count: int = 2) -> tuple[float, ...]:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.structure import N_MOBILITIES, tabulate
+from fmus.modal.kernels import tabulate
+from fmus.modal.layout import N_MOBILITIES
 
+from ..stability.poles import NORMAL
 from .balance import Balance, State
 from .measures import Motion, motion_of, over_a_period
-from .model import NORMAL, SquealModel
+from .model import SquealModel
 from .sampling import sample_slopes, step_perturbations
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 LONGEST_STEP = 8e-6
 """Longest step of the perturbations [s]."""
@@ -110,7 +113,7 @@ def monodromy(model: SquealModel, motion: Motion, steps: int | None = None) -> R
 
 
 def exact_steps(model: SquealModel, h: float) -> Real:
-    """Return the exact step of every mode with the force held, (6, n); see `fmus.structure.tabulate`."""
+    """Return the exact step of every mode with the force held, (6, n); see `fmus.modal.kernels.tabulate`."""
     n = model.omega.size
     parameters = np.concatenate([model.omega / (2 * np.pi), model.zeta, np.zeros(5 * n), [h]])
     derived = np.zeros(N_MOBILITIES + 1 + 6 * n)
@@ -125,8 +128,7 @@ def _derivative(motion: Motion) -> Real:
     return np.concatenate([over_a_period(s**k * modal)[0] for k in (2, 1)])
 
 
-def _energy(model: SquealModel, vectors: NDArray[np.generic]) -> NDArray[np.generic]:
-    """Return states weighted by the root of their energy and scaled to length one."""
-    weight = np.concatenate([np.ones_like(model.omega), model.omega])
-    weighted = (vectors.T * weight).T
-    return np.asarray(weighted / np.linalg.norm(weighted, axis=0))
+def _energy(model: SquealModel, vector: Real | Complex) -> Complex:
+    """Return a state weighted by the root of its energy and scaled to length one."""
+    weighted = np.concatenate([np.ones_like(model.omega), model.omega]) * vector
+    return np.asarray(weighted / np.linalg.norm(weighted), complex)

@@ -1,16 +1,17 @@
-"""Growth of perturbations of a cycle at frequencies (Hill's determinant): an exponent near a guess, and its sidebands."""
+"""Growth of perturbations of a cycle, at frequencies (Hill's determinant): guess in, exponent and sidebands out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .balance import Balance, State
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 _ITERATIONS = 12
 _STANDS_STILL = 1e-6
@@ -43,8 +44,9 @@ def hill(balance: Balance, state: State, guess: complex) -> Sidebands | None:
     slopes = line_slopes(balance, state)
     k = np.arange(-H, H + 1)
     toeplitz = slopes[(k[:, None] - k) % len(slopes)].transpose(0, 2, 1, 3)  # (line, d, line, d)
-    value, vector = guess, np.ones(d * k.size, complex)
-    weight = np.ones(d * k.size) / (d * k.size)
+    value = guess
+    vector: Complex = np.ones(d * k.size, complex)
+    weight = vector / vector.size
     for iteration in range(_ITERATIONS):
         T, dT = model.response(value + 1j * k * state.omega)
         matrix = np.eye(d * k.size) - np.einsum("aibj,bjc->aibc", toeplitz, T, optimize=True).reshape(d * k.size, -1)
@@ -52,7 +54,7 @@ def hill(balance: Balance, state: State, guess: complex) -> Sidebands | None:
         moved = np.linalg.solve(matrix, slope if iteration else vector)
         if iteration:
             change = (weight @ vector) / (weight @ moved)
-            value -= change
+            value = complex(value - change)
             if abs(change) < _STANDS_STILL * max(1.0, abs(value)):
                 return Sidebands(value, (moved / np.linalg.norm(moved)).reshape(-1, d))
         vector = moved / np.linalg.norm(moved)

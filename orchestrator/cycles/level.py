@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fmus.modal import Modes
+from fmus.modal.modes import Modes
 from fmus.wheel.wheelset import Wheelset
 
-from ..acoustics import REFERENCE_PRESSURE, fitting_wheelset, sound_power, sound_pressure
-from ..spectra import a_weighted, level
+from ..signals.spectra import a_weighted, level
+from ..sound.radiation import REFERENCE_PRESSURE, fitting_wheelset, sound_power, sound_pressure
 from .measures import Motion
 
 

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fmus.contact.layout import OUT
-from fmus.modal import Modes
 
-from ..limit_cycle import STICK
+from ..signals.limit_cycle import STICK
+from ..stability.poles import NORMAL
 from .balance import Balance, State
 from .model import SquealModel
 from .sampling import sample_monitors
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 SAMPLES = 2048
 """Samples of a period from which extreme values and shares of time are taken."""
@@ -51,10 +52,11 @@ def motion_of(balance: Balance, state: State) -> Motion:
     forces = np.zeros((len(state.forces), 4), complex)
     forces[:, active] = state.forces
     s = 1j * state.omega * np.arange(len(forces))
-    modal = (forces @ model.shapes) / (model.omega**2 + 2 * model.zeta * model.omega * s[:, None] + s[:, None] ** 2)
+    modal: Complex = (forces @ model.shapes) / (
+        model.omega**2 + 2 * model.zeta * model.omega * s[:, None] + s[:, None] ** 2
+    )
     n = len(model.wheel)
-    relative = modal @ model.shapes.T
-    relative[:, [0, 1, 3]] *= s[:, None]
+    relative: Complex = modal @ model.shapes.T * np.where(np.arange(4) == NORMAL, 1.0, s[:, None])
     return Motion(
         omega=state.omega,
         forces=forces,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +13,18 @@ from numpy.typing import NDArray
 from fmus.component import Instance
 from fmus.contact.component import contact
 from fmus.contact.linearised import LinearContact
-from fmus.modal import Modes
+from fmus.modal.modes import Modes
 
 from ..errors import InputError
-from ..frequency_domain import linear_contact
+from ..stability.loop import linear_contact
+from ..stability.poles import NORMAL, OpenSystem
+from ..stability.scheme import ModalSystem
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
-LON, LAT, NORMAL, SPIN = range(4)
-"""Directions in contact axes."""
+LON, LAT, SPIN = 0, 1, 3
+"""Directions in contact axes, beside `NORMAL`, 2."""
 
 SPIN_ARM = 0.007
 """Turns a spin velocity into a velocity at the edge of the contact patch [m]."""
@@ -41,12 +44,17 @@ class SquealModel:
     rail: Modes
     contact: Mapping[str, float]
 
+    @classmethod
+    def of(cls, system: ModalSystem) -> SquealModel:
+        """Return the model of a system whose modes and contact law are known."""
+        return cls(system.wheel, system.rail, system.law)
+
     def __post_init__(self) -> None:
         """Check that every mode that the contact moves is held."""
         for name, modes in (("wheel", self.wheel), ("rail", self.rail)):
             free = np.flatnonzero((modes.omega == 0) & modes.shape.any(axis=1))
             if free.size:
-                raise InputError(f"{name}: mode {free[0] + 1} has the frequency 0, so it has no steady state to squeal about")
+                raise InputError(f"{name}: mode {free[0] + 1} has the frequency 0, so there is no steady state")
 
     @cached_property
     def instance(self) -> Instance:
@@ -73,10 +81,7 @@ class SquealModel:
     @cached_property
     def shapes(self) -> Real:
         """Relative motion wheel minus rail per modal coordinate, (4, n), contact axes."""
-        angle = float(self.instance.parameters[self.instance.component.parameter_index["contact_angle"]])
-        c, s = np.cos(angle), np.sin(angle)
-        turn = np.array([[1, 0, 0, 0], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1.0]])
-        return np.asarray(turn @ np.vstack([self.wheel.shape, -self.rail.shape]).T)
+        return OpenSystem.of(self.wheel, self.rail, self.linear.turn).R
 
     @cached_property
     def active(self) -> tuple[int, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from .balance import LADDER, Balance, State, Truncation
 from .continuation import newton
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating[Any]]
 
 STANDS_STILL = 3e-4
 """Relative change of the rms velocity at which a truncation is fine enough."""

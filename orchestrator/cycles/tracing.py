@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
+from threadpoolctl import threadpool_limits
 
-from ..stability import closed_loop_matrix
-from .balance import Balance, State, Truncation, reference_of
+from ..stability.poles import NORMAL, TANGENTIAL, closed_loop_matrix
+from .balance import AMPLITUDE_SCALE, Balance, State, Truncation, reference_of
 from .continuation import Curve, Solution, newton, tangent
-from .model import LAT, LON, NORMAL, SPIN, SquealModel
+from .model import SquealModel
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 START = 0.004
 """Amplitude at which a curve starts [m/s]: a fiftieth of the sliding velocity of the cases."""
@@ -28,7 +29,6 @@ LOWEST = -40.0
 
 _POINTS = 200
 _SLOWEST = 1e-6
-_TANGENTIAL = (LON, LAT, SPIN)
 
 
 @dataclass(frozen=True)
@@ -64,12 +64,13 @@ def find_poles(model: SquealModel) -> list[Pole]:
     poles: list[Pole] = []
     for number in range(count):
         places = np.flatnonzero(part == number)
-        values, vectors = np.linalg.eig(matrix[np.ix_(places, places)])
+        with threadpool_limits(1, "blas"):  # matrices of this size are slower on several threads
+            values, vectors = np.linalg.eig(matrix[np.ix_(places, places)])
         for k in np.flatnonzero(values.imag > _SLOWEST):
             vector = np.zeros(len(matrix), complex)
             vector[places] = vectors[:, k]
             poles.append(_pole(model, complex(values[k]), vector))
-    moving = (p for p in poles if np.abs(p.motion[list(_TANGENTIAL)]).max() > 0)
+    moving = (p for p in poles if np.abs(p.motion[TANGENTIAL]).max() > 0)
     return sorted(moving, key=lambda p: p.frequency_hz)
 
 
@@ -80,7 +81,7 @@ def _pole(model: SquealModel, value: complex, vector: Complex) -> Pole:
     motion[NORMAL] = model.shapes[NORMAL] @ vector[n:]
     forces = np.zeros(4, complex)
     forces[NORMAL] = -linear.stiffness * motion[NORMAL]
-    forces[list(_TANGENTIAL)] = linear.H1 @ motion[list(_TANGENTIAL)] + linear.h2 * forces[NORMAL]
+    forces[TANGENTIAL] = linear.H1 @ motion[TANGENTIAL] + linear.h2 * forces[NORMAL]
     return Pole(value, motion, forces)
 
 
@@ -95,6 +96,7 @@ class Trace:
     amplitude, sigma, frequency_hz : (m,) along the curve; sigma is the growth rate at that amplitude
     crossings : solutions with sigma = 0, at the same truncation
     ended : why it ends where it does, in words
+    complete : whether it was followed as far as it should be
     """
 
     pole: Pole
@@ -104,13 +106,12 @@ class Trace:
     frequency_hz: Real
     crossings: tuple[State, ...]
     ended: str
+    complete: bool
 
 
 def equations_of(model: SquealModel, pole: Pole, truncation: Truncation) -> Balance:
     """Return the equations of the cycles of a pole, with sigma free."""
-    return Balance(
-        model, truncation, reference_of(model.active, pole.motion), omega_scale=0.01 * pole.value.imag
-    )
+    return Balance(model, truncation, reference_of(model.active, pole.motion), omega_scale=0.01 * pole.value.imag)
 
 
 def start_of(balance: Balance, pole: Pole) -> Solution:
@@ -125,49 +126,44 @@ def start_of(balance: Balance, pole: Pole) -> Solution:
     return newton(balance, x, row, float(x[-2]))
 
 
-def trace(
-    model: SquealModel, pole: Pole, truncation: Truncation, largest: float = 0.35,
-    report: Callable[[State], None] = lambda _: None,
-) -> Trace:  # fmt: skip
+def trace(model: SquealModel, pole: Pole, truncation: Truncation, largest: float = 0.35) -> Trace:
     """Follow the curve of a pole from small amplitude on.
 
-    The curve ends at the amplitude `LARGEST`, where it comes back to zero, or where the growth rate has fallen far.
+    The curve ends at the amplitude `LARGEST`, where it comes back to zero or to itself, or where the growth rate has
+    fallen far.
     """
     balance = equations_of(model, pole, truncation)
     start = start_of(balance, pole)
+    none = np.zeros(0)
     if not start.solved:
-        empty = np.zeros(0)
-        return Trace(pole, balance, empty, empty, empty, (), f"does not start: residual {start.residual:.1e}")
+        return Trace(pole, balance, none, none, none, (), f"does not start (residual {start.residual:.1e})", False)
     up = np.zeros(balance.size)
     up[-2] = 1.0
     curve = Curve(balance, start.x, tangent(start.jacobian, balance.weights, up), largest=largest)
-    points, crossings, ended = [start.x], [], "too many points"
+    points, crossings, ended = [start.x], list[State](), "was left after many points at"
     lowest = min(LOWEST, pole.growth_rate + LOWEST)
-    for _ in range(_POINTS):
+    complete = False
+    while len(points) < _POINTS and not complete:
         found = curve.advance()
         if found is None:
-            ended = "cannot be followed further"
+            ended = "cannot be followed further than"
             break
         points.append(found.x)
+        crossing = _crossing(balance, points[-2], points[-1])
+        closed = crossing is not None and any(_same(crossing, c) for c in crossings)
+        if crossing is not None and not closed:
+            crossings.append(crossing)
         state = balance.unpack(found.x)
-        report(state)
-        if points[-2][-1] * points[-1][-1] <= 0:
-            crossing = _crossing(balance, points[-2], points[-1])
-            if crossing is not None:
-                if any(_same(crossing, c) for c in crossings):
-                    ended = "closes"
-                    break
-                crossings.append(crossing)
-        if state.amplitude > LARGEST or state.amplitude <= 0 or state.free < lowest:
-            ended = "ends as wanted"
-            break
-    x = np.array(points)
-    tail = x[:, -3:] * (balance.omega_scale / (2 * np.pi), 0.1, balance.free_scale)
-    return Trace(pole, balance, tail[:, 1], tail[:, 2], tail[:, 0], tuple(crossings), ended)
+        complete = closed or not 0 < state.amplitude < LARGEST or state.free < lowest
+    x = np.array(points)[:, -3:] * (balance.omega_scale / (2 * np.pi), AMPLITUDE_SCALE, balance.free_scale)
+    ended = "is complete at" if complete else ended
+    return Trace(pole, balance, x[:, 1], x[:, 2], x[:, 0], tuple(crossings), ended, complete)
 
 
 def _crossing(balance: Balance, before: Real, after: Real) -> State | None:
-    """Return the solution with sigma = 0 between two points; None if Newton's method goes elsewhere."""
+    """Return the solution with sigma = 0 between two points; None if there is none or Newton's method strays."""
+    if before[-1] * after[-1] > 0:
+        return None
     part = before[-1] / (before[-1] - after[-1])
     guess = before + part * (after - before)
     guess[-1] = 0.0

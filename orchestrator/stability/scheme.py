@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,12 +47,14 @@ class ModalSystem:
     wheel, rail : modes
     contact : the contact linearised at its steady state
     displacements : whether the contact takes displacements; else it integrates velocities
+    law : all parameters of the running contact
     """
 
     wheel: Modes
     rail: Modes
     contact: LinearContact
     displacements: bool
+    law: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def poles(self) -> Poles:
@@ -176,7 +178,8 @@ def modal_system(assembly: Assembly) -> ModalSystem:
     missing = sorted(known - law.keys())
     if missing:
         raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
-    return ModalSystem(wheel, rail, _without_rounding(linear_contact(law), law), bool(law["use_displacements"]))
+    linear = _without_rounding(linear_contact(law), law)
+    return ModalSystem(wheel, rail, linear, bool(law["use_displacements"]), law)
 
 
 def _without_rounding(contact: LinearContact, law: Mapping[str, float]) -> LinearContact:
