@@ -1,7 +1,7 @@
 """How noisy measured functions are and where they are good: receptances in, noise, band and averages out.
 
-The noise is seen in the data alone: what the fourth difference over neighbouring lines leaves is not a smooth
-function. A coherence says more, where there is one.
+The noise is seen in the data alone: what the fourth difference over neighbouring lines leaves is no smooth function. A
+coherence, where there is one, weighs lines against each other.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from .function import Complex, Real
 
 LARGEST_NOISE = 0.2
 """Standard deviation of a value over the value itself up to which data are good: 1.7 dB, 11 degrees."""
+
+LEAST_COHERENCE = 0.5
+"""Coherence down to which data are good: half of the motion is due to the force."""
 
 _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 """Passes white noise with its own standard deviation and leaves nothing of a cubic."""
@@ -40,44 +43,38 @@ class Averaged(NamedTuple):
     noise: Real
 
 
-def relative_noise(values: Complex, coherence: Real | None = None) -> Real:
+def relative_noise(values: Complex) -> Real:
     """Return the standard deviation of each value over its magnitude.
 
     Parameters
     ----------
     values : (m,) complex
         On lines next to each other.
-    coherence : (m,), optional
-        From one value to the next the larger of both estimates counts: that of the coherence is of one average.
 
     Notes
     -----
-    The squared magnitude of complex noise is exponentially distributed, its median ln 2 of its mean. By a median over 25
-    lines a few resonances narrower than the lines do not count as noise.
-
-    A coherence gamma^2 leaves sqrt((1 - gamma^2)/(2 gamma^2)) in one average of a spectrum.
+    The squared magnitude of complex noise is exponentially distributed, its median ln 2 of its mean. By a median over
+    25 lines a few resonances narrower than the lines do not count as noise.
     """
+    if values.size < 5:
+        return np.zeros(values.size)
     size = np.maximum(np.abs(values), np.finfo(float).tiny)
-    seen = np.zeros(values.size)
-    if values.size >= 5:
-        rough = np.abs(sliding_window_view(values, 5) @ _FOURTH_DIFFERENCE) ** 2
-        rough = np.concatenate([rough[:1]] * 2 + [rough] + [rough[-1:]] * 2)
-        smooth = median_filter(size, min(_WINDOW, values.size) | 1, mode="nearest")
-        seen = np.sqrt(median_filter(rough, min(_WINDOW, values.size) | 1, mode="nearest") / np.log(2.0)) / smooth
-    if coherence is None:
-        return seen
-    square = np.clip(coherence, 1e-6, 1.0)
-    return np.maximum(seen, np.sqrt((1 - square) / (2 * square)))
+    window = min(_WINDOW, values.size) | 1
+    rough = np.abs(sliding_window_view(values, 5) @ _FOURTH_DIFFERENCE) ** 2
+    rough = np.concatenate([rough[:1]] * 2 + [rough] + [rough[-1:]] * 2)
+    squared = median_filter(rough, window, mode="nearest") / np.log(2.0)
+    return np.asarray(np.sqrt(squared) / median_filter(size, window, mode="nearest"))
 
 
-def good_band(frequency_hz: Real, noise: Real, largest: float = LARGEST_NOISE) -> NDArray[np.bool_]:
-    """Return which lines lie in the widest band, in octaves, without noise above `largest`.
+def good_band(frequency_hz: Real, noise: Real, coherence: Real | None = None) -> NDArray[np.bool_]:
+    """Return which lines lie in the widest band, in octaves, with noise and coherence within the limits.
 
     Notes
     -----
     Gaps of fewer lines than the window of the noise do not end a band: an antiresonance is a dip in the signal.
     """
-    good = median_filter((noise <= largest).astype(np.uint8), _WINDOW, mode="nearest").astype(bool)
+    fine = noise <= LARGEST_NOISE if coherence is None else (noise <= LARGEST_NOISE) & (coherence >= LEAST_COHERENCE)
+    good = median_filter(fine.astype(np.uint8), _WINDOW, mode="nearest").astype(bool)
     inside = np.zeros(good.size, dtype=bool)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     if edges.size:
@@ -88,16 +85,26 @@ def good_band(frequency_hz: Real, noise: Real, largest: float = LARGEST_NOISE) -
     return inside
 
 
-def averaged(frequency_hz: Real, values: Complex, noise: Real, per_octave: int = 48) -> Averaged:
-    """Return means over bands of 1/48 octave, weighted by the noise; lines wider apart stay as they are."""
+def averaged(
+    frequency_hz: Real, values: Complex, noise: Real, coherence: Real | None = None, per_octave: int = 48
+) -> Averaged:
+    """Return means over bands of 1/48 octave; lines wider apart stay as they are.
+
+    Notes
+    -----
+    Lines weigh by one over the square of their noise and, with a coherence gamma^2, by gamma^2/(1 - gamma^2), to which
+    the variance of a frequency response is inverse.
+    """
     band = np.floor(np.log2(frequency_hz / frequency_hz[0]) * per_octave + 1e-9).astype(int)
-    weight = 1.0 / np.maximum(noise, 1e-6) ** 2
+    spread = np.maximum(noise, 1e-6)
+    weight = spread**-2.0
+    if coherence is not None:
+        square = np.clip(coherence, 1e-3, 0.999)
+        weight = weight * square / (1 - square)
     starts = np.flatnonzero(np.diff(band, prepend=-1))
-
-    def total(x: NDArray[np.complex128] | Real) -> NDArray[np.complex128]:
-        return np.asarray(np.add.reduceat(x, starts), dtype=complex)
-
-    sums = total(weight).real
+    sums = np.add.reduceat(weight, starts)
     return Averaged(
-        total(weight * frequency_hz).real / sums, total(weight * values) / sums, 1.0 / np.sqrt(sums)
+        np.add.reduceat(weight * frequency_hz, starts) / sums,
+        np.asarray(np.add.reduceat(weight * values, starts) / sums, dtype=complex),
+        np.sqrt(np.add.reduceat((weight * spread) ** 2, starts)) / sums,
     )

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..interface import DIRECTIONS
 from .function import Complex, Contents, Function, Place, Real
@@ -17,6 +18,8 @@ from .units import QUANTITIES, Ratio, read_ratio, read_system, rotations
 
 DEFAULT_AXES: dict[int, str] = {1: "lon", 2: "lat", 3: "ver", 6: "spin"}
 """Directions of the codes of universal files unless told otherwise; signs of other codes cancel at one point."""
+
+_FORMAT_SI = "SI, as the format has it"
 
 
 @dataclass(frozen=True)
@@ -74,11 +77,11 @@ def read_axes(texts: Sequence[str]) -> dict[int, str]:
     for text in texts:
         code, _, direction = text.partition("=")
         if not code.lstrip("+-").isdigit() or not 1 <= abs(int(code)) <= 6 or direction not in DIRECTIONS:
-            raise ValueError(f"--axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
+            raise ValueError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
         if int(code) in axes or -int(code) in axes:
-            raise ValueError(f"--axis {text}: axis {abs(int(code))} is given twice")
+            raise ValueError(f"axis {text}: axis {abs(int(code))} is given twice")
         if (abs(int(code)) > 3) != (direction == "spin"):
-            raise ValueError(f"--axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
+            raise ValueError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
         axes[int(code)] = direction
     return axes
 
@@ -105,6 +108,47 @@ class Measured:
     used: Mapping[str, str | float]
     si_assumed: bool = False
 
+    def __post_init__(self) -> None:
+        """Check directions, frequencies and values."""
+        where, f = str(self.used.get("set", "measurement")), self.frequency_hz
+        for direction in (self.response, self.reference):
+            if direction not in DIRECTIONS:
+                raise ValueError(f"{where}: direction {direction!r}; must be one of {', '.join(DIRECTIONS)}")
+        bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
+        if bad.size or not f.size:
+            got = f"frequency {bad[0] + 1} is {f[bad[0]]:g} Hz" if bad.size else "no frequency above 0 Hz"
+            raise ValueError(f"{where}: {got}; must be finite and > 0")
+        bad = np.flatnonzero(np.diff(f) <= 0)
+        if bad.size:
+            raise ValueError(f"{where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+        if self.receptance.shape != f.shape:
+            raise ValueError(f"{where}: {self.receptance.size} values in {self.words} for {f.size} frequencies")
+        bad = np.flatnonzero(~np.isfinite(self.receptance) | (self.receptance == 0))
+        if bad.size:
+            got = self.receptance[bad[0]]
+            raise ValueError(f"{where}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0")
+        if self.coherence is not None:
+            bad = np.flatnonzero(~((self.coherence >= 0) & (self.coherence <= 1)))
+            if bad.size:
+                got = self.coherence[bad[0]]
+                raise ValueError(f"{where}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
+
+    @property
+    def words(self) -> str:
+        """Return the directions as words."""
+        return _words((self.response, self.reference))
+
+    def on_lines(self, inside: NDArray[np.bool_]) -> Measured:
+        """Return the function on the lines that are kept."""
+        f = self.frequency_hz[inside]
+        return replace(
+            self,
+            frequency_hz=f,
+            receptance=self.receptance[inside],
+            coherence=None if self.coherence is None else self.coherence[inside],
+            used={**self.used, "from_hz": float(f[0]), "to_hz": float(f[-1])},
+        )
+
 
 def select(contents: Contents, choice: Choice) -> list[Measured]:
     """Return the functions at the driving point, those of one pair of directions each.
@@ -128,7 +172,7 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
     if choice.node is not None and nodes and choice.node not in nodes:
         raise ValueError(f"{name}: no driving point at node {choice.node}; has {', '.join(map(str, nodes))}")
     if choice.node is None and len(nodes) > 1:
-        raise ValueError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (--node)")
+        raise ValueError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (option node)")
     found: dict[tuple[str, str], Measured] = {}
     for function in fitting:
         if nodes and function.response.node != (nodes[0] if choice.node is None else choice.node):
@@ -142,32 +186,32 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
 
 
 def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
-    """Return a function as a receptance in SI, with what was used for it."""
+    """Return a function as a receptance in SI on the lines of the band, with what was used for it."""
     (response, s), (reference, t) = (_direction(p, choice) for p in (function.response, function.reference))
     if function.force is False:
         raise ValueError(f"{function.where}: the denominator is no force but {function.units[1] or 'something else'}")
     quantity, factor, units = _meaning(function, contents, choice, (response, reference))
-    f, values = _checked(function)
-    inside = (f >= (choice.start_hz or 0.0)) & (f <= (choice.stop_hz or np.inf))
-    if not inside.any():
-        raise ValueError(f"{function.where}: has {f[0]:g} to {f[-1]:g} Hz; no line lies in the band asked for")
-    coherence = _coherence(function, contents)
-    f = f[inside]
-    to_receptance = (2j * np.pi * f) ** -float(QUANTITIES[quantity])
-    used: dict[str, str | float] = {
-        "set": function.where, "point": f"{function.response} due to {function.reference}",
-        "direction": _words((response, reference)), "quantity": quantity, "units": units, "factor": factor,
-        "sign": s * t, "from_hz": float(f[0]), "to_hz": float(f[-1]),
-    }  # fmt: skip
-    return Measured(
+    start = 1 if function.frequency_hz.size and function.frequency_hz[0] == 0 else 0  # mobility says nothing at 0 Hz
+    f, values = function.frequency_hz[start:], function.values[start:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        receptance = values * (2j * np.pi * f) ** -float(QUANTITIES[quantity]) * (factor * s * t)
+    measured = Measured(
         response=response,
         reference=reference,
         frequency_hz=f,
-        receptance=values[inside] * to_receptance * (factor * s * t),
-        coherence=None if coherence is None else coherence[inside],
-        used=used,
-        si_assumed=units.startswith("SI, as the format"),
-    )
+        receptance=np.asarray(receptance, dtype=complex),
+        coherence=_coherence(function, contents, f),
+        used={
+            "set": function.where, "point": f"{function.response} due to {function.reference}",
+            "direction": _words((response, reference)), "quantity": quantity, "units": units, "factor": factor,
+            "sign": s * t, "from_hz": float(f[0]) if f.size else 0.0, "to_hz": float(f[-1]) if f.size else 0.0,
+        },
+        si_assumed=units == _FORMAT_SI,
+    )  # fmt: skip
+    inside = (f >= (choice.start_hz or 0.0)) & (f <= (choice.stop_hz or np.inf))
+    if not inside.any():
+        raise ValueError(f"{function.where}: has {f[0]:g} to {f[-1]:g} Hz; no line lies in the band asked for")
+    return measured.on_lines(inside)
 
 
 def _direction(place: Place, choice: Choice) -> tuple[str, float]:
@@ -176,23 +220,29 @@ def _direction(place: Place, choice: Choice) -> tuple[str, float]:
     return found
 
 
-def _meaning(
-    function: Function, contents: Contents, choice: Choice, pair: tuple[str, str]
-) -> tuple[str, float, str]:
+def _meaning(function: Function, contents: Contents, choice: Choice, pair: tuple[str, str]) -> tuple[str, float, str]:
     """Return quantity, factor to SI and the words for the unit of a function."""
     label = _label_ratio(function)
     said = function.quantity or (label.quantity if label else None)
     given = _given_ratio(choice)
-    for source, quantity in (("its axis label says", label and label.quantity), ("--units says", given and given.quantity),
-                             ("--quantity says", choice.quantity)):  # fmt: skip
+    sources = (
+        ("its axis label says", label.quantity if label else None),
+        ("the option units says", given.quantity if given else None),
+        ("the option quantity says", choice.quantity),
+    )
+    for source, quantity in sources:
         if said is not None and quantity is not None and quantity != said:
             raise ValueError(f"{function.where}: holds {said}; {source} {quantity}")
         said = said or quantity
     if said is None:
-        raise ValueError(f"{function.where}: does not say whether it is a receptance, mobility or accelerance (--quantity)")
+        raise ValueError(
+            f"{function.where}: does not say whether it is a receptance, mobility or accelerance; "
+            "say it with the option quantity"
+        )
     if function.force is None and label is None and given is None:
         raise ValueError(
-            f"{function.where}: does not say that its denominator is a force; if it is, say so with --units m/s/N"
+            f"{function.where}: does not say that its denominator is a force; if it is, say so with the "
+            "option units, such as m/s/N"
         )
     for ratio in (label, given):
         if ratio is not None and ratio.rotations != rotations(*pair):
@@ -214,13 +264,15 @@ def _factor(function: Function, contents: Contents, choice: Choice, pair: tuple[
         _require_same(function, choice, pair, label.factor, f"axis label {label.text!r}")
         return label.factor, f"{label.text}, axis label"
     if given is not None:
-        return given.factor, f"{given.text}, --units"
+        return given.factor, f"{given.text}, option units"
     if choice.units is not None:
         system = read_system(choice.units)
-        return system.factor(*pair), f"{system.text(*pair)}, --units"
+        return system.factor(*pair), f"{system.text(*pair)}, option units"
     if contents.si:
-        return 1.0, "SI, as the format has it"
-    raise ValueError(f"{function.where}: does not say its units; give them (--units m/s/N or --units mm,N)")
+        return 1.0, _FORMAT_SI
+    raise ValueError(
+        f"{function.where}: does not say its units; give them with the option units, such as m/s/N or mm,N"
+    )
 
 
 def _require_same(function: Function, choice: Choice, pair: tuple[str, str], factor: float, source: str) -> None:
@@ -230,7 +282,9 @@ def _require_same(function: Function, choice: Choice, pair: tuple[str, str], fac
         return
     asked = given.factor if given is not None else read_system(choice.units).factor(*pair)
     if not np.isclose(asked, factor, rtol=1e-4):
-        raise ValueError(f"{function.where}: --units {choice.units} is {asked:g} in SI; {source} says {factor:g}")
+        raise ValueError(
+            f"{function.where}: the option units, {choice.units}, is {asked:g} in SI; {source} says {factor:g}"
+        )
 
 
 def _given_ratio(choice: Choice) -> Ratio | None:
@@ -251,46 +305,11 @@ def _label_ratio(function: Function) -> Ratio | None:
     raise ValueError(f"{function.where}: unit {shown!r} is no displacement, velocity or acceleration per force")
 
 
-def _checked(function: Function) -> tuple[Real, Complex]:
-    """Return frequencies and values without a line at 0 Hz, where a mobility says nothing."""
-    f, values = function.frequency_hz, function.values
-    if f.size and f[0] == 0:
-        f, values = f[1:], values[1:]
-    bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
-    if bad.size or not f.size:
-        got = f"frequency {bad[0] + 1} is {f[bad[0]]:g} Hz" if bad.size else "no frequency above 0 Hz"
-        raise ValueError(f"{function.where}: {got}; must be finite and > 0")
-    bad = np.flatnonzero(np.diff(f) <= 0)
-    if bad.size:
-        raise ValueError(f"{function.where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; must increase")
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        raise ValueError(f"{function.where}: {function.response} at {f[bad[0]]:g} Hz is {values[bad[0]]}; must be finite")
-    return f, values
-
-
-def _coherence(function: Function, contents: Contents) -> Real | None:
-    """Return the coherence at the function's frequencies above 0, None where there is none."""
+def _coherence(function: Function, contents: Contents, frequency_hz: Real) -> Real | None:
+    """Return the coherence at some frequencies, None where there is none."""
     found = contents.coherence.get((function.response, function.reference))
-    if found is None:
-        return None
-    f = function.frequency_hz[function.frequency_hz > 0]
-    coherence = np.interp(f, *found)
-    bad = np.flatnonzero(~((coherence >= 0) & (coherence <= 1)))
-    if bad.size:
-        raise ValueError(f"{function.where}: its coherence at {f[bad[0]]:g} Hz is {coherence[bad[0]]:g}; must be 0 to 1")
-    return np.asarray(coherence)
+    return None if found is None else np.asarray(np.interp(frequency_hz, *found))
 
 
 def _words(pair: tuple[str, str]) -> str:
     return pair[0] if pair[0] == pair[1] else f"{pair[0]} due to {pair[1]}"
-
-
-def without(measured: Measured, inside: np.typing.NDArray[np.bool_]) -> Measured:
-    """Return a function on the lines that are kept."""
-    f = measured.frequency_hz[inside]
-    used = {**measured.used, "from_hz": float(f[0]), "to_hz": float(f[-1])}
-    coherence = None if measured.coherence is None else measured.coherence[inside]
-    return replace(
-        measured, frequency_hz=f, receptance=measured.receptance[inside], coherence=coherence, used=used
-    )

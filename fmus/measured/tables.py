@@ -120,7 +120,9 @@ def read_archive(path: Path) -> Contents:
         if match is None:
             continue
         if values.shape != frequency_hz.shape or not np.iscomplexobj(values):
-            raise ValueError(f"{path.name}: {name!r} is {values.dtype} {values.shape}; must be complex and as frequency_hz")
+            raise ValueError(
+                f"{path.name}: {name!r} is {values.dtype} {values.shape}; must be complex and as frequency_hz"
+            )
         directions = (match[1], match[2] or match[1])
         functions.append(
             _function(path, frequency_hz, values, directions, texts.get("units", ""), texts.get("quantity"))
@@ -160,7 +162,7 @@ def _numbers(path: Path, names: list[str], rows: list[tuple[int, list[str]]]) ->
     return table
 
 
-def _function(  # noqa: PLR0913, PLR0917 - one argument per property
+def _function(
     path: Path, frequency_hz: Real, values: Complex, directions: tuple[str, str], unit: str, quantity: str | None = None
 ) -> Function:
     response, force = (Place(None, d) for d in directions)

@@ -85,7 +85,7 @@ def read_data_sets(path: Path, kinds: tuple[int, ...] | None = None) -> list[Dat
         if kinds is None or kind in kinds:
             try:
                 content = file.read_sets(i)
-            except Exception:  # noqa: BLE001 - pyuff raises nothing more special, and without a reason
+            except Exception:
                 what = SET_NAMES.get(kind, "no known kind")
                 raise ValueError(
                     f"{path.name}, data set {i + 1} (line {line}): is not a readable data set {kind} ({what})"
@@ -141,7 +141,8 @@ def unit_system(sets: list[DataSet]) -> UnitSystem | None:
 def _first_lines(path: Path) -> list[int]:
     """Return the line on which each data set begins; a file that ends within one is refused."""
     text = path.read_bytes()
-    found, at = [], 0
+    found: list[int] = []
+    at = 0
     while (begin := _TAG.search(text, at)) is not None:
         line = text.count(b"\n", 0, begin.start()) + 1
         end = text.find(b"    -1", _data_end(text, begin.end()))
@@ -179,7 +180,7 @@ def _check_size(data: DataSet) -> None:
     """Raise ValueError if the values are fewer than the header says or no numbers; a binary set may be padded."""
     c, said = data.content, int(data.content["num_pts"])
     values = np.asarray(c["data"])
-    if values.size < said or np.asarray(c["x"]).size < said:
+    if values.size < said or (values.size > said and not c["binary"]):
         raise ValueError(f"{data.where}: has {values.size} values; its header says {said}")
     bad = np.flatnonzero(~np.isfinite(values[:said]))
     if bad.size:
