@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fmus.component import Instance
 from fmus.contact.component import contact
-from fmus.contact.hertz import ellipse
+from fmus.creep.hertz import ellipse
 from fmus.contact.parameters import P
 from fmus.modal import Modes
 from fmus.modal_data import ModalData, format_modal_data, read_modal_data

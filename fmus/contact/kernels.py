@@ -18,9 +18,9 @@ import math
 
 from ..compile import kernel
 from .derivatives import differentiate
-from .fastsim import bound_volume, flexibilities
+from ..creep.fastsim import bound_volume, flexibilities
 from .implicit import renew_newton_matrix, solve_creep_forces
-from .kalker import creepage_coefficients
+from ..creep.kalker import creepage_coefficients
 from .law import law, normal_force
 from .layout import OUT, STATE_SIZE, D, S
 from .parameters import P

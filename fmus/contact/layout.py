@@ -2,7 +2,7 @@
 
 from ..compile import positions
 from ..interface import contact_inputs, contact_outputs
-from .fastsim import SCRATCH_SIZE
+from ..creep.fastsim import SCRATCH_SIZE
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
