@@ -6,7 +6,7 @@ Forces and moments of two wheelsets and a frame, in the track's axes at each axl
 import math
 
 from ..compile import kernel
-from .layout import FRAME_Y, FRAME_YAW, N, N_WHEEL, PER_AXLE, D, W, X
+from .layout import FRAME_Y, FRAME_YAW, N_WHEEL, PER_AXLE, D, N, W, X
 from .parameters import P
 from .wheel_rail import put_geometry, put_wheels
 

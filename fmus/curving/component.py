@@ -99,7 +99,12 @@ def _outputs(everything: tuple[str, ...]) -> tuple[Variable, ...]:
 def _locals() -> tuple[Variable, ...]:
     """Return the local variables, the head of the state."""
     return (
-        Variable("failed", "local", "1", "1 where no steady state was found"),
+        Variable(
+            "failed",
+            "local",
+            "1",
+            "0; why there is no steady state: 1 no solution, 2 a wheel lifts, 3 a flange is climbed",
+        ),
         Variable("reached_curvature", "local", "1/m", "curvature up to which a steady state was found", nominal=1e-2),
     )
 

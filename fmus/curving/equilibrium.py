@@ -4,7 +4,7 @@ import math
 
 from ..compile import kernel
 from .balance import add_up, put_residual, unscale
-from .layout import FRAME_Y, FRAME_YAW, N, PER_AXLE, D, X
+from .layout import PER_AXLE, D, N, X
 from .parameters import P
 from .wheel_rail import put_geometry, put_wheels
 
@@ -159,7 +159,9 @@ def _carries(unknowns):  # type: ignore[no-untyped-def]
 
 @kernel
 def follow(parameters, derived, unknowns, last, wanted, first):  # type: ignore[no-untyped-def]
-    """Follow the solution from one curve to another; return iterations (-1: lost), residual and the part reached.
+    """Follow the solution from one curve to another; return iterations, residual and the part reached.
+
+    Without a solution at the end, iterations are -1, or -2 if it is a wheel that lifts.
 
     Parameters
     ----------
@@ -171,24 +173,25 @@ def follow(parameters, derived, unknowns, last, wanted, first):  # type: ignore[
     part = first
     total = 0
     residual = 0.0
-    kept = (unknowns[0], unknowns[1], unknowns[2], unknowns[3], unknowns[4], unknowns[5],
-            unknowns[6], unknowns[7], unknowns[8], unknowns[9], unknowns[FRAME_Y], unknowns[FRAME_YAW])  # fmt: skip
+    for i in range(N):
+        derived[D.kept + i] = unknowns[i]
     while reached < 1.0:
         t = min(reached + part, 1.0)
         curvature = last[0] + t * (wanted[0] - last[0])
         load = last[1] + t * (wanted[1] - last[1])
         mu = last[2] + t * (wanted[2] - last[2])
         iterations, residual = newton(parameters, derived, unknowns, curvature, load, mu)
-        if iterations >= 0 and _carries(unknowns):
-            kept = (unknowns[0], unknowns[1], unknowns[2], unknowns[3], unknowns[4], unknowns[5],
-                    unknowns[6], unknowns[7], unknowns[8], unknowns[9], unknowns[FRAME_Y], unknowns[FRAME_YAW])  # fmt: skip
+        lifts = iterations >= 0 and not _carries(unknowns)
+        if iterations >= 0 and not lifts:
+            for i in range(N):
+                derived[D.kept + i] = unknowns[i]
             total += iterations
             reached = t
             part *= 1.5 if iterations < 6 else 1.0
         else:
             for i in range(N):
-                unknowns[i] = kept[i]
+                unknowns[i] = derived[D.kept + i]
             part *= 0.5
             if part < SMALLEST_PART:
-                return -1, residual, reached
+                return -2 if lifts else -1, residual, reached
     return total, residual, 1.0

@@ -7,10 +7,10 @@ long as the inputs stay as they are, a step has nothing to do.
 import math
 
 from ..compile import kernel
-from .balance import lateral_load, put_residual, unscale
+from .balance import lateral_load, put_residual
 from .equilibrium import FIRST_STEP, follow, start_straight
 from .geometry import prepare_table
-from .layout import N, N_COLUMNS, N_WHEEL, PER_AXLE, WHEEL_OUTPUTS, C, D, S, X
+from .layout import N_COLUMNS, N_WHEEL, PER_AXLE, WHEEL_OUTPUTS, C, D, N, S, X
 from .parameters import N_FIXED, P
 
 
@@ -44,7 +44,7 @@ def _on_arc(parameters, derived):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _put_outputs(parameters, derived, state, outputs, iterations, residual):  # type: ignore[no-untyped-def]
+def _put_outputs(derived, outputs, iterations, residual):  # type: ignore[no-untyped-def]
     """Put the wheels' values and the monitors into the outputs."""
     for wheel in range(4):
         for i in range(WHEEL_OUTPUTS):
@@ -65,20 +65,20 @@ def _solve(parameters, derived, state, inputs, outputs, last, first):  # type: i
     unknowns = state[S.unknowns : S.unknowns + N]
     iterations, residual, reached = follow(parameters, derived, unknowns, last, wanted, first)
     state[S.reached] = last[0] + reached * (wanted[0] - last[0])
-    found = iterations >= 0
-    if found:
+    failure = -min(iterations, 0)
+    if failure == 0:
         put_residual(parameters, derived, unknowns, wanted[0], wanted[1], wanted[2], D.residual)
-        found = _on_table(parameters, derived) and _on_arc(parameters, derived)
-    if not found:
-        state[S.failed] = 1.0
+        if not (_on_table(parameters, derived) and _on_arc(parameters, derived)):
+            failure = 3
+    state[S.failed] = failure
+    if failure > 0:
         for i in range(outputs.size):
             outputs[i] = math.nan
         return
     state[S.curvature], state[S.load], state[S.mu0] = wanted
     state[S.velocity] = inputs[C.velocity]
     state[S.cant] = inputs[C.cant]
-    state[S.failed] = 0.0
-    _put_outputs(parameters, derived, state, outputs, iterations, residual)
+    _put_outputs(derived, outputs, iterations, residual)
 
 
 @kernel

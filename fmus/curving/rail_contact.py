@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
 
 from ..creep.hertz import ellipse_of_radii
 from .contact_table import ContactTable
@@ -37,8 +36,12 @@ PATCH_LOAD = 60e3
 YOUNG, POISSON = 210e9, 0.3
 """Of steel."""
 
-_STEEPEST_ROLL = 0.05
-"""Roll within which both sides must touch [rad]."""
+_MOST_ITERATIONS = 50
+_ROLL_TOLERANCE = 1e-13
+"""Of the roll [rad]: 1e-10 mm at the wheel."""
+
+_REACH = 40.0
+"""Gap in units of eps beyond the smallest one, from which on a point has no weight that a double could show."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,7 @@ def lay(rail: Profile, track: Track) -> tuple[Profile, float]:
 
 @dataclass(frozen=True)
 class _Touch:
-    """Of the soft contact of one side: H; means of lateral coordinate, radius change, angle and curvature of the gap."""
+    """The soft contact of one side: H; means of lateral coordinate, radius change, angle, curvature of the gap."""
 
     soft: float
     lateral: float
@@ -103,34 +106,40 @@ class _Gap:
         self.q = np.arange(rail.lateral[0], rail.lateral[-1], SPACING)
         curve = CubicSpline(rail.lateral, rail.height)
         self.rail, self.rail_curvature = curve(self.q), curve(self.q, 2)
-        self.curve = CubicSpline(wheel.lateral, wheel.height, extrapolate=False)
+        self.s, self.height = wheel.lateral, wheel.height
+        self.curve = CubicSpline(wheel.lateral, wheel.height)
 
     def touch(self, shift: float, roll: float) -> _Touch:
         """Return the soft contact; `roll` lifts the field side."""
         s = self.q - shift - self.middle
-        height = self.curve(s)
-        gap = roll * self.q - height - self.rail
-        gap = np.where(np.isnan(gap), np.inf, gap)
+        gap = roll * self.q - np.interp(s, self.s, self.height, np.nan, np.nan) - self.rail
+        near = np.flatnonzero(gap - np.nanmin(gap) < _REACH * SOFTNESS)
+        q, at = self.q[near], s[near]
+        height = self.curve(at)
+        gap = roll * q - height - self.rail[near]
         lowest = gap.min()
-        weight = np.exp(-(gap - lowest) / SOFTNESS)
-        total = weight.sum()
-        weight /= total
-        near = weight > 0
-        w, q, at = weight[near], self.q[near], s[near]
+        w = np.exp(-(gap - lowest) / SOFTNESS)
+        total = w.sum()
+        w /= total
         angle = np.arctan(roll - self.curve(at, 1))
         curvature = -self.curve(at, 2) - self.rail_curvature[near]
         return _Touch(
-            float(lowest - SOFTNESS * np.log(total * SPACING)), float(w @ q), float(w @ height[near]),
+            float(lowest - SOFTNESS * np.log(total * SPACING)), float(w @ q), float(w @ height),
             float(w @ angle), float(w @ curvature),
         )  # fmt: skip
 
-    def roll(self, shift: float) -> float:
-        """Return the roll with which both sides touch at a shift of the wheelset to the left."""
+    def both(self, shift: float, roll: float) -> tuple[float, _Touch, _Touch]:
+        """Return the roll with which both sides touch at a shift to the left, from a guess, and both contacts.
 
-        def difference(roll: float) -> float:
-            return self.touch(shift, roll).soft - self.touch(-shift, -roll).soft
-
-        return float(brentq(difference, -_STEEPEST_ROLL, _STEEPEST_ROLL, xtol=1e-13))
+        Newton's method: the derivative of H by the roll is the mean lateral coordinate.
+        """
+        for _ in range(_MOST_ITERATIONS):
+            left, right = self.touch(shift, roll), self.touch(-shift, -roll)
+            change = (right.soft - left.soft) / (left.lateral + right.lateral)
+            if abs(change) < _ROLL_TOLERANCE:
+                return roll, left, right
+            roll += change
+        raise ValueError(f"wheel and rail do not touch on both sides at a shift of {shift:g} mm")
 
 
 def contact_table(wheel: Profile, rail: Profile, track: Track | None = None) -> ContactTable:
@@ -138,20 +147,23 @@ def contact_table(wheel: Profile, rail: Profile, track: Track | None = None) -> 
     track = track or Track()
     laid, crown = lay(rail, track)
     gap = _Gap(wheel, laid, track)
-    half = np.arange(1, round(LARGEST_SHIFT / SHIFT_SPACING) + 1) * SHIFT_SPACING
-    rolls = np.array([gap.roll(float(y)) for y in half])
-    shifts = np.concatenate([-half[::-1], [0.0], half])
-    rolls = np.concatenate([-rolls[::-1], [0.0], rolls])
-    touches = [gap.touch(float(y), float(phi)) for y, phi in zip(shifts, rolls, strict=True)]
-    angle = np.array([t.angle for t in touches])
-    lateral = np.array([t.lateral for t in touches])
-    radius = np.array([t.radius for t in touches])
-    curvature = np.array([t.curvature for t in touches])
+    count = round(LARGEST_SHIFT / SHIFT_SPACING)
+    shifts = np.arange(-count, count + 1) * SHIFT_SPACING
+    roll, touches = 0.0, {}
+    for k in range(count + 1):
+        roll, touches[k], touches[-k] = gap.both(k * SHIFT_SPACING, roll)
+    found = [touches[k] for k in range(-count, count + 1)]
+    angle = np.array([t.angle for t in found])
+    lateral = np.array([t.lateral for t in found])
+    radius = np.array([t.radius for t in found])
+    curvature = np.array([t.curvature for t in found])
     along = (track.wheel_radius + radius) / np.cos(angle)
-    patches = np.array([_patch(1e-3 * a, 1e-3 / (k * np.cos(d) ** 3)) for a, k, d in zip(along, curvature, angle, strict=True)])
+    patches = np.array(
+        [_patch(1e-3 * a, 1e-3 / (k * np.cos(d) ** 3)) for a, k, d in zip(along, curvature, angle, strict=True)]
+    )
     return ContactTable(
         title=f"{wheel.title} on {laid.title}",
-        shift=1e-3 * shifts, radius_change=1e-3 * radius, contact_angle=angle,
+        shift=np.asarray(1e-3 * shifts, dtype=np.float64), radius_change=1e-3 * radius, contact_angle=angle,
         wheel_position=1e-3 * (lateral - shifts - track.tape_distance / 2), rail_position=1e-3 * (lateral - crown),
         semi_axis_lon=patches[:, 0], semi_axis_lat=patches[:, 1], hertz_stiffness=patches[:, 2],
         patch_load=PATCH_LOAD,

@@ -82,7 +82,9 @@ def _put_wheel(parameters, derived, g, s, w, x, curvature, mu):  # type: ignore[
     derived[w + W.hertz_stiffness] = derived[g + G.hertz_stiffness] * growth
     derived[w + W.creep_force_lon] = f_lon
     derived[w + W.creep_force_lat] = f_lat
-    derived[w + W.friction_utilisation] = math.sqrt(f_lon * f_lon + f_lat * f_lat) / (mu * load) if mu * load > 0 else 0.0
+    derived[w + W.friction_utilisation] = (
+        math.sqrt(f_lon * f_lon + f_lat * f_lat) / (mu * load) if mu * load > 0 else 0.0
+    )
     derived[w + W.lateral_force] = load * sin + f_lat * cos
     derived[w + W.vertical_force] = load * cos - f_lat * sin
     derived[w + W.radius] = radius
