@@ -17,7 +17,7 @@ from ..runs.scenario import Scenario
 from .tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
 
 if TYPE_CHECKING:
-    from ..cycles.catalogue import Catalogue, Cycle
+    from ..limit_cycles.catalogue import Catalogue, Cycle
 
 
 def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -36,17 +36,19 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Limit cycles by harmonic balance, followed from the poles; stability by the exponents of perturbations.
     """
-    from ..cycles.described import as_json  # noqa: PLC0415 - loads scipy
-    from ..cycles.search import cycles_of  # noqa: PLC0415
+    from ..limit_cycles.described import as_json  # noqa: PLC0415 - loads scipy
+    from ..limit_cycles.search import cycles_of  # noqa: PLC0415
 
     if out is not None:
         require_suffix(out, (".png", ".pdf", ".svg"))
     scenario = Scenario(system, values=parse_values(values or []), sources=parse_sources(replace or []))
-    assembly, _ = scenario.prepare()
+    assembly, settings = scenario.prepare()
     name = Path(system).name
     try:
         with progress_bar() as report:
-            found = cycles_of(assembly, tone_hz=tone, with_stability=not no_stability, down_to=down_to, report=report)
+            found = cycles_of(
+                assembly, settings.step, tone_hz=tone, with_stability=not no_stability, down_to=down_to, report=report
+            )
     except InputError as reason:
         raise InputError(f"{system}: {reason}") from None
     if out is not None:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
-from ..cycles.catalogue import Catalogue, Cycle
+from ..limit_cycles.catalogue import Catalogue, Cycle
 from .style import COLOURS, STYLE
 
 SHOWN_DB = 100.0

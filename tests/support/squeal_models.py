@@ -19,10 +19,10 @@ from fmus.rail.component import DATA as RAIL_DATA
 from fmus.system.kernels import couple, feed_contact, feed_structures
 from fmus.wheel.class158 import class158, identified_stiffness
 from fmus.wheel.wheelset import DATA, read_wheelset
-from orchestrator.cycles.balance import State
-from orchestrator.cycles.catalogue import Catalogue, Cycle, find_cycles
-from orchestrator.cycles.measures import Motion
-from orchestrator.cycles.model import SquealModel
+from orchestrator.limit_cycles.balance import State
+from orchestrator.limit_cycles.catalogue import Catalogue, Cycle, find_cycles
+from orchestrator.limit_cycles.measures import Motion
+from orchestrator.limit_cycles.model import SquealModel
 
 Real = NDArray[np.float64]
 
@@ -78,6 +78,8 @@ def fused_run(model: SquealModel, state: tuple[Real, Real], h: float, duration: 
     ----------
     state : modal velocities and displacements at the start
     """
+    assert isinstance(model.wheel, Modes)
+    assert isinstance(model.rail, Modes)
     parts = [structure("wheel", "", model.wheel), structure("rail", "", model.rail)]
     wheel, rail = (Instance(p, {STEP_SIZE: h}) for p in parts)
     law = Instance(contact(system_mobility(parts, h)), {k: v for k, v in model.contact.items() if "mobility" not in k})
@@ -99,10 +101,9 @@ def fused_run(model: SquealModel, state: tuple[Real, Real], h: float, duration: 
 def start_of(motion: Motion, scale: float = 1.0) -> tuple[Real, Real]:
     """Return modal velocities and displacements of a cycle at the start of its period, times `scale`."""
     k = np.arange(len(motion.forces))
-    modal = np.hstack([motion.wheel_modal, motion.rail_modal])
-    modal[1:] *= 2
-    velocity = (1j * k[:, None] * motion.omega * modal).sum(axis=0).real
-    return scale * velocity, scale * modal.sum(axis=0).real
+    lines = np.where(k == 0, 1.0, 2.0)[:, None, None] * motion.states
+    velocity, displacement = scale * lines.sum(axis=0).real.T
+    return velocity, displacement
 
 
 def at_rest(cycle: Cycle) -> State:

@@ -1,4 +1,4 @@
-"""The system as the cycles see it: modes of wheel and rail and the running contact law, in contact axes."""
+"""The system as the cycles see it: linear wheel and rail and the running contact law, in contact axes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from fmus.contact.linearised import LinearContact
 from fmus.modal.modes import Modes
 
 from ..errors import InputError
+from ..stability.linear_model import LinearModel
 from ..stability.loop import linear_contact
-from ..stability.poles import NORMAL, OpenSystem
-from ..stability.scheme import ModalSystem
+from ..stability.poles import NORMAL, Structure
+from .parts import Part
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -36,25 +37,26 @@ class SquealModel:
 
     Attributes
     ----------
-    wheel, rail : modes in track axes; a rail that does not move has none
+    wheel, rail : in track axes: modes, or what was identified of a structure that shows none
     contact : values of the contact's parameters that differ from its start values
     """
 
-    wheel: Modes
-    rail: Modes
+    wheel: Structure
+    rail: Structure
     contact: Mapping[str, float]
 
     @classmethod
-    def of(cls, system: ModalSystem) -> SquealModel:
-        """Return the model of a system whose modes and contact law are known."""
-        return cls(system.wheel, system.rail, system.law)
+    def of(cls, linear: LinearModel) -> SquealModel:
+        """Return the model of a system whose structures and contact law are known."""
+        return cls(linear.wheel, linear.rail, linear.law)
 
     def __post_init__(self) -> None:
         """Check that every mode that the contact moves is held."""
         for name, modes in (("wheel", self.wheel), ("rail", self.rail)):
-            free = np.flatnonzero((modes.omega == 0) & modes.shape.any(axis=1))
-            if free.size:
-                raise InputError(f"{name}: mode {free[0] + 1} has the frequency 0, so there is no steady state")
+            if isinstance(modes, Modes):
+                free = np.flatnonzero((modes.omega == 0) & modes.shape.any(axis=1))
+                if free.size:
+                    raise InputError(f"{name}: mode {free[0] + 1} has the frequency 0, so there is no steady state")
 
     @cached_property
     def instance(self) -> Instance:
@@ -69,41 +71,37 @@ class SquealModel:
         return linear_contact(self.contact)
 
     @cached_property
-    def omega(self) -> Real:
-        """Natural angular frequencies of wheel, then rail [rad/s]."""
-        return np.concatenate([self.wheel.omega, self.rail.omega])
+    def turn(self) -> Real:
+        """(4, 4) rotation from track to contact axes."""
+        place = self.instance.component.parameter_index["contact_angle"]
+        return LinearContact(np.zeros((3, 3)), np.zeros(3), 0.0, float(self.instance.parameters[place])).turn
 
     @cached_property
-    def zeta(self) -> Real:
-        """Damping ratios of wheel, then rail [-]."""
-        return np.concatenate([self.wheel.zeta, self.rail.zeta])
+    def parts(self) -> tuple[Part, Part]:
+        """Wheel and rail in track axes."""
+        return Part.of(self.wheel), Part.of(self.rail)
 
     @cached_property
-    def shapes(self) -> Real:
-        """Relative motion wheel minus rail per modal coordinate, (4, n), contact axes."""
-        return OpenSystem.of(self.wheel, self.rail, self.linear.turn).R
+    def whole(self) -> Part:
+        """Relative motion wheel minus rail per contact force on the wheel, contact axes."""
+        wheel, rail = self.parts
+        return wheel.beside(rail.mirrored()).turned(self.turn)
 
     @cached_property
     def active(self) -> tuple[int, ...]:
-        """Directions that a mode moves. In partial slip the law couples them all, lat to spin and spin to lon."""
-        return tuple(int(a) for a in np.flatnonzero(self.shapes.any(axis=1)))
+        """Directions that move. In partial slip the law couples them all, lat to spin and spin to lon."""
+        return tuple(int(a) for a in np.flatnonzero(self.whole.displace.any(axis=(1, 2))))
 
     @cached_property
-    def _pairs(self) -> Real:
-        """Products of the motions of each mode in two directions that move, (n, d * d)."""
-        shapes = self.shapes[list(self.active)]
-        return np.asarray((shapes[:, None] * shapes[None]).reshape(-1, self.omega.size).T.copy())
+    def _seen(self) -> Part:
+        return self.whole.only(self.active)
 
     def response(self, s: Complex) -> tuple[Complex, Complex]:
         """Return relative motion per contact force at complex frequencies, and its derivative by s, (m, d, d).
 
         Velocities in lon, lat and spin, displacement in the normal direction; only directions that move.
         """
-        d = len(self.active)
-        damping = 2 * self.zeta * self.omega
-        g = 1.0 / (self.omega**2 + s[:, None] * (damping + s[:, None]))
-        both = np.concatenate([g, -(damping + 2 * s[:, None]) * g * g])
-        receptance, slope = (both.real @ self._pairs + 1j * (both.imag @ self._pairs)).reshape(2, -1, d, d)
+        receptance, slope = self._seen.receptance(s)
         moving = np.array([a != NORMAL for a in self.active])
         factor = np.where(moving, s[:, None], 1.0)[:, :, None]
         return factor * receptance, factor * slope + np.where(moving, 1.0, 0.0)[None, :, None] * receptance

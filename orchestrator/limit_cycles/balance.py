@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..stability.poles import NORMAL
 from .model import LAT, LON, SPIN, SPIN_ARM, SquealModel
-from .sampling import sample_forces, sample_slopes
+from .sampling import sample_law
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -159,7 +159,8 @@ class Balance:
     def _residual(self, state: State, lines: Complex) -> Real:
         contact = self.model_of(state).instance
         forces = np.empty((self.truncation.samples, len(self.active)))
-        sample_forces(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), forces)
+        slopes = np.empty((0, len(self.active), len(self.active)))
+        sample_law(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), forces, slopes)
         law = np.fft.rfft(forces, axis=0)[: self.truncation.harmonics + 1] / self.truncation.samples
         r = (state.forces - law) / FORCE_SCALE[list(self.active)]
         y = self.reference_factor * lines[1, self.active.index(self.reference)]
@@ -199,8 +200,8 @@ class Balance:
         """Return the Fourier coefficients of the slopes of the forces, (N, d, d), line k at index k modulo N."""
         contact = self.model_of(state).instance
         d, N = len(self.active), self.truncation.samples
-        J = np.empty((N, d, d))
-        sample_slopes(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), J)
+        forces, J = np.empty((N, d)), np.empty((N, d, d))
+        sample_law(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), forces, J)
         return np.fft.fft(J, axis=0) / N
 
     def _force_columns(self, jacobian: Real, J: Complex, T: Complex) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
-from ..stability.poles import NORMAL, TANGENTIAL, closed_loop_matrix
+from ..stability.poles import NORMAL, TANGENTIAL, OpenSystem, closed_loop_matrix
 from .balance import AMPLITUDE_SCALE, Balance, State, Truncation, reference_of
 from .continuation import Curve, Solution, newton, tangent
 from .model import SquealModel
@@ -59,30 +59,23 @@ class Pole:
 
 def find_poles(model: SquealModel) -> list[Pole]:
     """Return the poles that move the contact, sorted by frequency."""
-    matrix = closed_loop_matrix(model.wheel, model.rail, model.linear)
+    linear, matrix = model.linear, closed_loop_matrix(model.wheel, model.rail, model.linear)
+    open_system = OpenSystem.of(model.wheel, model.rail, linear.turn)
     count, part = connected_components(matrix != 0, directed=False)
     poles: list[Pole] = []
     for number in range(count):
         places = np.flatnonzero(part == number)
         with threadpool_limits(1, "blas"):  # matrices of this size are slower on several threads
             values, vectors = np.linalg.eig(matrix[np.ix_(places, places)])
-        for k in np.flatnonzero(values.imag > _SLOWEST):
-            vector = np.zeros(len(matrix), complex)
-            vector[places] = vectors[:, k]
-            poles.append(_pole(model, complex(values[k]), vector))
+        kept = np.flatnonzero(values.imag > _SLOWEST)
+        motion = open_system.V[:, places] @ vectors[:, kept]
+        motion[NORMAL] = open_system.U[NORMAL, places] @ vectors[:, kept]
+        forces = np.zeros_like(motion)
+        forces[NORMAL] = -linear.stiffness * motion[NORMAL]
+        forces[TANGENTIAL] = linear.H1 @ motion[TANGENTIAL] + np.outer(linear.h2, forces[NORMAL])
+        poles += [Pole(complex(v), motion[:, k], forces[:, k]) for k, v in enumerate(values[kept])]
     moving = (p for p in poles if np.abs(p.motion[TANGENTIAL]).max() > 0)
     return sorted(moving, key=lambda p: p.frequency_hz)
-
-
-def _pole(model: SquealModel, value: complex, vector: Complex) -> Pole:
-    """Return a pole of an eigenvalue and its vector (modal velocities, then displacements)."""
-    linear, n = model.linear, model.omega.size
-    motion = model.shapes @ vector[:n]
-    motion[NORMAL] = model.shapes[NORMAL] @ vector[n:]
-    forces = np.zeros(4, complex)
-    forces[NORMAL] = -linear.stiffness * motion[NORMAL]
-    forces[TANGENTIAL] = linear.H1 @ motion[TANGENTIAL] + linear.h2 * forces[NORMAL]
-    return Pole(value, motion, forces)
 
 
 @dataclass(frozen=True)

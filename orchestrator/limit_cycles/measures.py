@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.contact.layout import OUT
+from fmus.modal.modes import Modes
 
 from ..signals.limit_cycle import STICK
 from ..stability.poles import NORMAL
 from .balance import Balance, State
 from .model import SquealModel
-from .sampling import sample_monitors
+from .sampling import sample_law, sample_monitors
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -32,15 +33,16 @@ class Motion:
     omega : angular frequency of line 1 [rad/s]
     forces : (H + 1, 4) on the wheel, contact axes [N, N m]
     relative : (H + 1, 4) relative velocities lon, lat, displacement normal, velocity spin, contact axes
-    wheel_modal, rail_modal : (H + 1, n) modal displacements [kg^1/2 m]
+    states : (H + 1, n, 2) of `model.whole`
+    wheel_modal : (H + 1, n) modal displacements of the wheel [kg^1/2 m]; none where it shows no modes
     wheel, rail : (H + 1, 4) velocities in track axes lon, lat, ver, spin [m/s, rad/s]
     """
 
     omega: float
     forces: Complex
     relative: Complex
+    states: Complex
     wheel_modal: Complex
-    rail_modal: Complex
     wheel: Complex
     rail: Complex
 
@@ -48,24 +50,16 @@ class Motion:
 def motion_of(balance: Balance, state: State) -> Motion:
     """Return all lines of a cycle."""
     model = balance.model_of(state)
-    active = list(balance.active)
     forces = np.zeros((len(state.forces), 4), complex)
-    forces[:, active] = state.forces
+    forces[:, list(balance.active)] = state.forces
     s = 1j * state.omega * np.arange(len(forces))
-    modal: Complex = (forces @ model.shapes) / (
-        model.omega**2 + 2 * model.zeta * model.omega * s[:, None] + s[:, None] ** 2
-    )
-    n = len(model.wheel)
-    relative: Complex = modal @ model.shapes.T * np.where(np.arange(4) == NORMAL, 1.0, s[:, None])
-    return Motion(
-        omega=state.omega,
-        forces=forces,
-        relative=relative,
-        wheel_modal=modal[:, :n],
-        rail_modal=modal[:, n:],
-        wheel=s[:, None] * (modal[:, :n] @ model.wheel.shape),
-        rail=s[:, None] * (modal[:, n:] @ model.rail.shape),
-    )
+    states = model.whole.states(s, forces)
+    T, _ = model.whole.receptance(s)
+    relative: Complex = (T @ forces[:, :, None])[:, :, 0] * np.where(np.arange(4) == NORMAL, 1.0, s[:, None])
+    on_wheel = forces @ model.turn  # track axes
+    wheel, rail = (s[:, None] * (part.receptance(s)[0] @ on_wheel[:, :, None])[:, :, 0] for part in model.parts)
+    modes = len(model.wheel) if isinstance(model.wheel, Modes) else 0
+    return Motion(state.omega, forces, relative, states, states[:, :modes, 1], wheel, -rail)
 
 
 def rms(lines: Complex) -> Real:
@@ -104,7 +98,9 @@ def contact_over_a_period(model: SquealModel, motion: Motion) -> Contact:
     """Return what the contact does."""
     monitors = np.zeros((SAMPLES, len(OUT)))
     instance = model.instance
-    sample_monitors(instance.parameters, instance.derived, over_a_period(motion.relative), monitors)
+    relative, forces = over_a_period(motion.relative), np.empty((SAMPLES, 4))
+    sample_law(instance.parameters, instance.derived, np.arange(4), relative, forces, np.empty((0, 4, 4)))
+    sample_monitors(instance.parameters, instance.derived, relative, forces, monitors)
     time = np.arange(SAMPLES) / SAMPLES * 2 * np.pi / motion.omega
     normal = monitors[:, OUT.normal_force]
     creep = np.hypot(monitors[:, OUT.tangential_force_lon], monitors[:, OUT.tangential_force_lat])

@@ -172,7 +172,7 @@ def find_cycles(
     with threadpool_limits(1, "blas"):  # matrices of this size are slower on several threads
         poles = tuple(p for p in find_poles(model) if p.frequency_hz < HIGHEST_HZ)
         chosen = _chosen(poles, tone_hz, down_to)
-        truncation = COARSE if len(model.rail) else RIGID
+        truncation = COARSE if len(model.parts[1].blocks) else RIGID
         traces, notes = list[Trace](), list[str]()
         found: list[Cycle] = []
         for number, pole in enumerate(chosen):

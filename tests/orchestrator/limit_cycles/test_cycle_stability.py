@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 from squeal_models import class158_case, fused_run, only, start_of, tone_of
 
-from orchestrator.cycles.floquet import exact_steps, monodromy
-from orchestrator.cycles.hill import hill
+from orchestrator.limit_cycles.floquet import monodromy
+from orchestrator.limit_cycles.hill import hill
 from orchestrator.stability.poles import closed_loop_matrix
 
 
@@ -43,8 +45,7 @@ def test_exponents_about_rest_are_the_poles() -> None:
     """With the linear slope all over the period the monodromy matrix is the exponential of the state matrix."""
     cycle = only(tone_of(1, 1100.0))
     model, motion = cycle.balance.model, cycle.motion
-    rest = type(motion)(motion.omega, *(0 * lines for lines in (
-        motion.forces, motion.relative, motion.wheel_modal, motion.rail_modal, motion.wheel, motion.rail)))  # fmt: skip
+    rest = replace(motion, relative=0 * motion.relative)
     period = 2 * np.pi / motion.omega
     found = np.log(np.linalg.eigvals(monodromy(model, rest, steps=2000)).astype(complex)) / period
     exact = np.linalg.eigvals(closed_loop_matrix(model.wheel, model.rail, model.linear))
@@ -54,12 +55,12 @@ def test_exponents_about_rest_are_the_poles() -> None:
     assert near.max() < 0.05  # 1/s; steps of 0.45 us: (omega h)^2 / 12 of the contact's share of a pole
 
 
-def test_steps_of_the_modes_are_those_of_the_component() -> None:
-    """Two steps are one of twice the length, without force."""
-    model = class158_case(1)
-    one, two = exact_steps(model, 5e-6), exact_steps(model, 1e-5)
-    np.testing.assert_allclose(one[0] ** 2 + one[1] * one[3], two[0], atol=1e-12)
-    np.testing.assert_allclose(one[3] * one[0] + one[4] * one[3], two[3], atol=1e-16)
+def test_two_steps_are_one_of_twice_the_length() -> None:
+    """The exact step of pairs of states, with and without force."""
+    part = class158_case(1).whole
+    (one, held), (two, held_longer) = part.exact_step(5e-6), part.exact_step(1e-5)
+    np.testing.assert_allclose(one @ one, two, atol=1e-12 * np.abs(two).max())
+    np.testing.assert_allclose(one @ held + held, held_longer, atol=1e-12 * np.abs(held_longer).max())
 
 
 @pytest.mark.slow

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from squeal_models import at_rest, class158_case, only, tone_of
 
-from orchestrator.cycles.balance import Balance, Truncation
-from orchestrator.cycles.continuation import newton
-from orchestrator.cycles.model import LAT, SquealModel
-from orchestrator.cycles.refinement import refine, solve_free
-from orchestrator.cycles.tracing import find_poles
+from fmus.modal.modes import Modes
+from orchestrator.limit_cycles.balance import Balance, Truncation
+from orchestrator.limit_cycles.continuation import newton
+from orchestrator.limit_cycles.model import LAT, SquealModel
+from orchestrator.limit_cycles.refinement import refine, solve_free
+from orchestrator.limit_cycles.tracing import find_poles
 from orchestrator.stability.poles import exact_poles
 
 
@@ -72,10 +73,10 @@ def test_what_is_not_solved_is_not_called_a_solution() -> None:
     class Unsolvable:
         weights = np.ones(2)
 
-        def residual(self, x: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+        def residual(self, x: np.ndarray) -> np.ndarray:
             return np.array([x[0] ** 2 + 1.0])
 
-        def linearise(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+        def linearise(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return self.residual(x), np.array([[2 * x[0], 0.0]])
 
     found = newton(Unsolvable(), np.array([0.7, 0.3]), np.array([0.0, 1.0]), 0.3)
@@ -85,7 +86,8 @@ def test_what_is_not_solved_is_not_called_a_solution() -> None:
 def test_directions_that_nothing_moves_are_left_out() -> None:
     """A wheel that moves in its cross-section only has two directions; the law is asked for these."""
     model = class158_case(2)
+    assert isinstance(model.wheel, Modes)
     shape = model.wheel.shape.copy()
     shape[:, [0, 3]] = 0.0
-    wheel = type(model.wheel)(model.wheel.omega, model.wheel.zeta, shape)
+    wheel = Modes(model.wheel.omega, model.wheel.zeta, shape)
     assert SquealModel(wheel, model.rail, model.contact).active == (1, 2)

@@ -11,6 +11,7 @@ from fmus.wheel.wheelset import Wheelset
 
 from ..signals.spectra import a_weighted, level
 from ..sound.radiation import REFERENCE_PRESSURE, fitting_wheelset, sound_power, sound_pressure
+from ..stability.poles import Structure
 from .measures import Motion
 
 
@@ -26,8 +27,10 @@ class Radiator:
     wheelset: Wheelset
 
     @classmethod
-    def of(cls, wheel: Modes) -> Radiator | None:
-        """Return the radiator that a wheel's modes belong to; None if no shipped wheel has them."""
+    def of(cls, wheel: Structure) -> Radiator | None:
+        """Return the radiator that a wheel is; None if no shipped wheel has its modes, or it shows none."""
+        if not isinstance(wheel, Modes):
+            return None
         found = fitting_wheelset(wheel.omega / (2 * np.pi), wheel.shape[:, 1])
         return None if found is None else cls(found)
 

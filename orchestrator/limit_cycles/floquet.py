@@ -8,14 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.modal.kernels import tabulate
-from fmus.modal.layout import N_MOBILITIES
-
 from ..stability.poles import NORMAL
 from .balance import Balance, State
 from .measures import Motion, motion_of, over_a_period
 from .model import SquealModel
-from .sampling import sample_slopes, step_perturbations
+from .sampling import sample_law, step_perturbations
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -90,45 +87,39 @@ def _vector(matrix: Real, value: complex) -> Complex:
 
 
 def monodromy(model: SquealModel, motion: Motion, steps: int | None = None) -> Real:
-    """Return what one period makes of perturbations of the modal velocities and displacements, (2n, 2n)."""
+    """Return what one period makes of perturbations of the states of wheel and rail, (2n, 2n).
+
+    States are ordered as the first of every pair, then the second: modal velocities, then modal displacements.
+    """
     period = 2 * np.pi / motion.omega
     N = steps or max(FEWEST_STEPS, int(np.ceil(period / LONGEST_STEP)))
-    tables, active = exact_steps(model, period / N), model.active
-    shapes = np.ascontiguousarray(model.shapes[list(active)])
-    instance = model.instance
-    at_ends = np.empty((N, len(active), len(active)))
-    sample_slopes(instance.parameters, instance.derived, np.array(active), over_a_period(motion.relative, N), at_ends)
+    part, active = model.whole.only(model.active), np.array(model.active)
+    advance, force = part.exact_step(period / N)
+    forces, at_ends = np.empty((N, active.size)), np.empty((N, active.size, active.size))
+    contact = model.instance
+    sample_law(contact.parameters, contact.derived, active, over_a_period(motion.relative, N), forces, at_ends)
     slopes = 0.5 * (at_ends + np.roll(at_ends, -1, axis=0))
-    n = model.omega.size
-    normal = np.array([a == NORMAL for a in active])[:, None]
-    per_velocity = np.where(normal, tables[3], 1 + tables[0])
-    per_displacement = np.where(normal, 1 + tables[4], tables[1])
-    per_force = np.where(normal, tables[5], tables[2])
-    mean = np.hstack([shapes * per_velocity, shapes * per_displacement])
-    own = (shapes * per_force) @ shapes.T
-    answers = np.linalg.solve(np.eye(len(active)) - 0.5 * slopes @ own, 0.5 * slopes)
-    state = np.eye(2 * n)
-    step_perturbations(tables, shapes, mean, answers, state)
+    seen = np.where((active == NORMAL)[:, None, None], part.displace, part.move)
+    mean = seen + np.einsum("dni,nij->dnj", seen, advance)
+    own = np.einsum("dni,nie->de", seen, force)
+    answers = np.linalg.solve(np.eye(active.size) - 0.5 * slopes @ own, 0.5 * slopes)
+    state = np.eye(2 * len(advance))
+    step_perturbations(advance, _flat(force.transpose(2, 0, 1)).T.copy(), _flat(mean), answers, state)
     return state
 
 
-def exact_steps(model: SquealModel, h: float) -> Real:
-    """Return the exact step of every mode with the force held, (6, n); see `fmus.modal.kernels.tabulate`."""
-    n = model.omega.size
-    parameters = np.concatenate([model.omega / (2 * np.pi), model.zeta, np.zeros(5 * n), [h]])
-    derived = np.zeros(N_MOBILITIES + 1 + 6 * n)
-    tabulate(parameters, derived, h)
-    return derived[N_MOBILITIES + 1 :].reshape(6, n)
+def _flat(pairs: NDArray[Any]) -> NDArray[Any]:
+    """Return (..., n, 2) as (..., 2n), the first of every pair before the second."""
+    return np.ascontiguousarray(np.concatenate([pairs[..., 0], pairs[..., 1]], axis=-1))
 
 
 def _derivative(motion: Motion) -> Real:
-    """Return the time derivative of modal velocities and displacements at the start of the period, (2n,)."""
-    s = 1j * motion.omega * np.arange(len(motion.forces))[:, None]
-    modal = np.hstack([motion.wheel_modal, motion.rail_modal])
-    return np.concatenate([over_a_period(s**k * modal)[0] for k in (2, 1)])
+    """Return the time derivative of the states at the start of the period, (2n,)."""
+    s = 1j * motion.omega * np.arange(len(motion.forces))[:, None, None]
+    return _flat(over_a_period(s * motion.states)[0])
 
 
 def _energy(model: SquealModel, vector: Real | Complex) -> Complex:
     """Return a state weighted by the root of its energy and scaled to length one."""
-    weighted = np.concatenate([np.ones_like(model.omega), model.omega]) * vector
+    weighted = _flat(model.whole.weight) * vector
     return np.asarray(weighted / np.linalg.norm(weighted), complex)
