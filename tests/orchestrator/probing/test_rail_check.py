@@ -198,5 +198,5 @@ def test_factors_of_a_mapping(built: Path) -> None:
 
 
 def test_a_step_that_makes_no_sense_is_refused(built: Path) -> None:
-    with pytest.raises(InputError, match="--step 1: must be from 1e-9 to 1e-2 s"):
+    with pytest.raises(InputError, match="step 1: must be from 1e-9 to 1e-2 s"):
         check_rail(built / "rail.fmu", step=1.0)
