@@ -18,34 +18,49 @@ from typer.core import TyperGroup
 from .errors import InputError, SimulationError
 
 Table = dict[str, tuple[str, str]]
-"""Name of a command: its function, as module:function of `orchestrator.commands`, and what it does."""
+"""Name of a command: its module in `orchestrator.commands`, with `:function` if that has another name, and what it does."""
 
 COMMANDS: Table = {
-    "build": ("build:build", "Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."),
-    "run": ("run:run", "Simulate a case of the paper or any system of co-simulation FMUs."),
-    "resume": ("run:resume", "Go on with a run from its checkpoint, to the bit as if it had never stopped."),
-    "info": ("info:info", "Show what is inside an FMU or a system."),
-    "friction": ("friction:friction", "Draw the two friction curves of the paper, its figure 5, from the contact FMU."),
-    "check": ("check:check", "Test an FMU against the contract of a rail, by what it declares and by running it."),
-    "export": ("export:export", "Write the system that `run` would run with the same options, for other tools."),
-    "coupling": ("coupling:coupling", "Show what each master algorithm does to the growth rates, mode by mode."),
-    "stability": ("stability:stability", "Find the unstable frequencies of a case or of a system of FMUs."),
-    "table4": ("table4:table4", "Print Table 4 of the paper next to ours: frequency and loop gain, cell by cell."),
-    "listen": ("listen:listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
-    "report": ("report:report", "Write one self-contained HTML page about runs."),
-    "competition": ("competition:competition", "Find which tone wins: many random starts of a case."),
-    "paper": ("paper:paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
+    "build": ("systems.build", "Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."),
+    "run": ("systems.run", "Simulate a case of the paper or any system of co-simulation FMUs."),
+    "resume": ("systems.run", "Go on with a run from its checkpoint, to the bit as if it had never stopped."),
+    "info": ("systems.info", "Show what is inside an FMU or a system."),
+    "friction": (
+        "analysis.friction:friction",
+        "Draw friction curves, by default those of figure 5, from the contact FMU.",
+    ),
+    "check": (
+        "systems.check:check",
+        "Test an FMU against the contract of a rail.",
+    ),
+    "export": (
+        "systems.export:export",
+        "Write the system that `run` would run with the same options, for other tools.",
+    ),
+    "coupling": (
+        "analysis.coupling:coupling",
+        "Show what each master algorithm does to the growth rates, mode by mode.",
+    ),
+    "stability": ("analysis.stability", "Find the unstable frequencies of a case or of a system of FMUs."),
+    "table4": (
+        "pages.table4:table4",
+        "Print Table 4 of the paper next to ours, cell by cell.",
+    ),
+    "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
+    "report": ("pages.report", "Write one self-contained HTML page about runs."),
+    "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
+    "paper": ("pages.paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
 }
 RAIL_COMMANDS: Table = {
-    "fit": ("rail:fit", "Fit a modal rail to the analytical track of a track file."),
-    "figures": ("rail:figures", "Draw the receptances of a track and its modal rails."),
-    "measured": ("rail_measured:measured", "Fit a passive modal rail to measured functions."),
-    "build": ("rail:build", "Build a rail FMU from a modal data file."),
-    "regenerate": ("rail:regenerate", "Make the modal data files that the project ships anew."),
+    "fit": ("structures.rail", "Fit a modal rail to the analytical track of a track file."),
+    "figures": ("structures.rail", "Draw the receptances of a track and its modal rails."),
+    "measured": ("structures.rail_measured", "Fit a passive modal rail to measured functions."),
+    "build": ("structures.rail", "Build a rail FMU from a modal data file."),
+    "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("wheel:build", "Build a wheel FMU from modal data."),
-    "figures": ("wheel:figures", "Draw cross-sections and modes of the shipped wheels."),
+    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70
 """Exit code of a fault of this program, EX_SOFTWARE of sysexits.h."""
@@ -64,9 +79,9 @@ class LateGroup(TyperGroup):
         """Import and return a command."""
         if cmd_name not in self.table:
             return super().get_command(ctx, cmd_name)
-        module, function = self.table[cmd_name][0].split(":")
+        module, _, function = self.table[cmd_name][0].partition(":")
         one = typer.Typer(add_completion=False, rich_markup_mode=None)
-        one.command(cmd_name)(getattr(import_module(f".commands.{module}", __package__), function))
+        one.command(cmd_name)(getattr(import_module(f".commands.{module}", __package__), function or cmd_name))
         return typer.main.get_command(one)
 
     def format_commands(self, _ctx: Any, formatter: Any) -> None:

@@ -58,9 +58,9 @@ def test_components_raise_their_own_error() -> None:
 
 @pytest.mark.parametrize("table", [COMMANDS, RAIL_COMMANDS, WHEEL_COMMANDS], ids=["top", "rail", "wheel"])
 def test_a_command_is_a_row_and_a_file(table: dict[str, tuple[str, str]]) -> None:
-    for place, text in table.values():
-        module, function = place.split(":")
-        loaded = getattr(import_module(f"orchestrator.commands.{module}"), function)
+    for name, (place, text) in table.items():
+        module, _, function = place.partition(":")
+        loaded = getattr(import_module(f"orchestrator.commands.{module}"), function or name)
         assert loaded.__doc__, place
         assert text.endswith("."), place
 

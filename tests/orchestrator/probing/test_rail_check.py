@@ -13,7 +13,7 @@ import pytest
 from fmus.modal.modes import Modes
 from fmus.packaging.python.fmu import build_python_fmu
 from fmus.rail.component import rail
-from orchestrator.commands.check import as_data
+from orchestrator.commands.systems.check import as_data
 from orchestrator.errors import InputError
 from orchestrator.figures.rail_check import write_mobility
 from orchestrator.fmi.instance import open_fmu

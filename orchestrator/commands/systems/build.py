@@ -9,8 +9,8 @@ import typer
 
 from fmus.errors import DataError
 
-from ..errors import InputError, SimulationError
-from .tools import Json, say, screen
+from ...errors import InputError, SimulationError
+from ..tools import Json, say, screen
 
 
 def build(
