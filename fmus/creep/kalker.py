@@ -63,7 +63,9 @@ def creepage_coefficients(semi_axis_lon: float, semi_axis_lat: float, poisson: f
     g = min(semi_axis_lon / semi_axis_lat, semi_axis_lat / semi_axis_lon)
     position = min(max(g, 0.1), 1.0) * 10.0 - 1.0
     row = min(int(position), 8)
-    part = position - row if side == 0 else math.log((position + 1.0) / (row + 1.0)) / math.log((row + 2.0) / (row + 1.0))
+    part = (
+        position - row if side == 0 else math.log((position + 1.0) / (row + 1.0)) / math.log((row + 2.0) / (row + 1.0))
+    )
     w0 = 8.0 * (poisson - 0.25) * (poisson - 0.5)
     w1 = -16.0 * poisson * (poisson - 0.5)
     w2 = 8.0 * poisson * (poisson - 0.25)
