@@ -26,8 +26,8 @@ def rows() -> list[dict[str, str]]:
 def test_check_values_to_the_digits_printed(row: dict[str, str]) -> None:
     """Tolerance: four units in the last digit printed.
 
-    The patch has a/b = 1.2513. The check values take Kalker's coefficients linearly from the rows beside it, the program
-    in the logarithm: 1e-4 apart.
+    The patch has a/b = 1.2513. The check values take Kalker's coefficients linearly from the rows beside it, here
+    they are taken in the logarithm: 1e-4 apart.
     """
     radius = float(row["radius"])
     state = solved(balanced(radius))
@@ -50,7 +50,7 @@ def test_check_values_to_the_digits_printed(row: dict[str, str]) -> None:
     [(1000, (-6.9803, -1.9279, -0.0123)), (300, (-8.0493, -7.5952, -0.8965)), (130, (-8.2741, -17.7775, 0.2333))],
 )
 def test_fastsim_instead_of_the_closed_form(radius: float, wanted: tuple[float, ...]) -> None:
-    """Independent FASTSIM on 30 x 30, of first order: a cell in thirty has twice its slip. So 1 % of the largest value."""
+    """Independent FASTSIM on 30 x 30, of first order: 1/30 of the slip is there twice. So 1 % of the largest."""
     state = solved(balanced(radius), use_fastsim=1.0)
     found = (1e3 * state.shift[0], 1e3 * state.yaw[0], 1e3 * state.yaw[1])
     assert found == pytest.approx(wanted, abs=0.01 * max(abs(w) for w in wanted))
