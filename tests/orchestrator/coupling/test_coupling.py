@@ -202,9 +202,10 @@ def test_long_compensated_jacobi_run_behaves_like_the_staggered_one() -> None:
 
 def test_compensated_friction_in_stick_does_not_alternate() -> None:
     """What turns back from step to step vanishes with the step, as in the staggered scheme; no zigzag is left."""
-    delayed = {"jacobi": True, "host_delay_steps": 1}
     steps, speeds = (10e-6, 5e-6, 2.5e-6, 1.25e-6), (0.21, 0.22, 0.23, 0.24)
-    runs = [[reversals(friction_in_stick(h, speed=v, **delayed)) for v in speeds] for h in steps]
+    runs = [
+        [reversals(friction_in_stick(h, speed=v, jacobi=True, host_delay_steps=1)) for v in speeds] for h in steps
+    ]
     largest = [np.mean([r.max() for r in of_step]) for of_step in runs]
     assert all(later < 0.65 * earlier for earlier, later in pairwise(largest)), largest
     assert largest[0] < 400
