@@ -191,7 +191,7 @@ def test_long_compensated_jacobi_run_behaves_like_the_staggered_one() -> None:
     """
 
     def level(h: float, **how: object) -> float:
-        force = friction_in_stick(h, seconds=0.3, **how)
+        force = friction_in_stick(h, seconds=0.3, **how)  # type: ignore[arg-type]
         return float(np.std(force[len(force) // 2 :]))
 
     compensated = {"jacobi": True, "host_delay_steps": 1}
@@ -203,13 +203,11 @@ def test_long_compensated_jacobi_run_behaves_like_the_staggered_one() -> None:
 def test_compensated_friction_in_stick_does_not_alternate() -> None:
     """What turns back from step to step vanishes with the step, as in the staggered scheme; no zigzag is left."""
     steps, speeds = (10e-6, 5e-6, 2.5e-6, 1.25e-6), (0.21, 0.22, 0.23, 0.24)
-    runs = [
-        [reversals(friction_in_stick(h, speed=v, jacobi=True, host_delay_steps=1)) for v in speeds] for h in steps
-    ]
+    runs = [[reversals(friction_in_stick(h, speed=v, jacobi=True, host_delay_steps=1)) for v in speeds] for h in steps]
     largest = [np.mean([r.max() for r in of_step]) for of_step in runs]
     assert all(later < 0.65 * earlier for earlier, later in pairwise(largest)), largest
     assert largest[0] < 400
-    assert max(zigzag(r) for of_step in runs for r in of_step) < 20
+    assert max(zigzag(r) for of_step in runs for r in of_step) < 1e-3 * 18e3
 
 
 def test_false_squeal_grows_in_a_jacobi_run_and_not_in_a_staggered_one() -> None:
