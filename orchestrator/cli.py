@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 from .errors import InputError, SimulationError
 
 Table = dict[str, tuple[str, str]]
-"""Name of a command: its module in `orchestrator.commands`, with `:function` if that has another name, and what it does."""
+"""Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
 
 COMMANDS: Table = {
     "build": ("systems.build", "Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."),
