@@ -19,11 +19,11 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from .coupling.master import Progress
-from .cycles.catalogue import NEAR, Catalogue
-from .cycles.search import cycles_of
 from .errors import SimulationError
 from .figures.cycles import draw_cycle, draw_cycles
 from .fmi.file import Value
+from .limit_cycles.catalogue import NEAR, Catalogue
+from .limit_cycles.search import cycles_of
 from .runs.outcome import Outcome
 from .runs.run import Keeping, Report, run_scenario
 from .runs.run import resume as _resume

@@ -152,12 +152,12 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again with --record '{MODAL_VELOCITIES}'"
+            f"run again and record '{MODAL_VELOCITIES}'"
         )
     if wheel is not None:
         chosen = _named(wheel)
         if len(chosen.modes) != count:
-            raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
+            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return chosen
     frequency = _block(data, "frequency")
     found = fitting_wheelset(frequency, _block(data, "shape_lat")) if frequency.size == count else None
@@ -165,7 +165,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
         return found
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "give --wheel NAME or FILE.toml"
+        "name a wheel, or give its file"
     )
 
 
@@ -199,7 +199,7 @@ def _named(wheel: str) -> Wheelset:
     try:
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
+        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
 def _block(data: xr.Dataset, block: str) -> Real:

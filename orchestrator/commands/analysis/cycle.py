@@ -12,12 +12,12 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
-from ..errors import InputError
-from ..runs.scenario import Scenario
-from .tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
+from ...errors import InputError
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
 
 if TYPE_CHECKING:
-    from ..limit_cycles.catalogue import Catalogue, Cycle
+    from ...limit_cycles.catalogue import Catalogue, Cycle
 
 
 def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -36,8 +36,8 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Limit cycles by harmonic balance, followed from the poles; stability by the exponents of perturbations.
     """
-    from ..limit_cycles.described import as_json  # noqa: PLC0415 - loads scipy
-    from ..limit_cycles.search import cycles_of  # noqa: PLC0415
+    from ...limit_cycles.described import as_json  # noqa: PLC0415 - loads scipy
+    from ...limit_cycles.search import cycles_of  # noqa: PLC0415
 
     if out is not None:
         require_suffix(out, (".png", ".pdf", ".svg"))
@@ -70,7 +70,7 @@ def show(found: Catalogue, title: str) -> None:
 
 def draw(found: Catalogue, name: str, tone: float | None, out: Path) -> None:
     """Write the picture that belongs to what was asked for."""
-    from ..figures.cycles import draw_cycle, draw_cycles  # noqa: PLC0415 - pictures are not always wanted
+    from ...figures.cycles import draw_cycle, draw_cycles  # noqa: PLC0415 - pictures are not always wanted
 
     out.parent.mkdir(parents=True, exist_ok=True)
     figure = draw_cycles(found, name) if tone is None else draw_cycle(found.near(tone), name)
