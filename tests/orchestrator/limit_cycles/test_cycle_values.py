@@ -1,7 +1,7 @@
-"""Every kind of cycle against values that a prototype computed by itself, confirmed in the time domain.
+"""Every kind of cycle: values of this law of the contact, of which the time domain confirms those that last.
 
-Velocities may be 1.5 % off where the law of the contact has been made more accurate since; frequencies are not moved by
-that. docs/limit-cycles.md has the whole table.
+Where the law is made more accurate, levels move (10 x 10 cells of second order: 1.5 % below those of first order);
+`test_the_time_domain_tends_to_the_cycles` says which are right.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from squeal_models import only, tone_of
+from squeal_models import fused_run, only, start_of, tone_of
 
-RMS = 0.015
-"""Relative; the grid of FASTSIM moves it by so much."""
+RMS = 0.002
+"""Relative; the truncation moves it by 0.0003."""
 
 
 @dataclass(frozen=True)
@@ -30,26 +30,25 @@ class Row:
 
 
 ROWS = {
-    ("stable", 1): Row(1100.28, 0.15608, 0.01019, (58.4, 62.0), "stable", -0.15, 0.0),
-    ("torus", 1): Row(271.73, 0.17276, 0.02637, (56.0, 64.6), "sidebands", 13.68, 124.0),
-    ("torus without falling friction", 3): Row(272.05, 0.16063, 0.01916, (56.3, 64.3), "sidebands", 6.42, 124.2),
-    ("period doubling", 2): Row(253.72, 0.15237, 0.0, (8.3, 120.7), "period doubling", 15.64, 126.86),
-    ("contact lost", 2): Row(1980.17, 0.22686, 0.0, (0.0, 174.3), "stable", -0.11, 0.0),
-    ("stable low tone", 3): Row(150.63, 0.15106, 0.01591, (56.2, 64.1), "stable", -0.22, 30.9),
+    ("stable", 1): Row(1100.35, 0.15386, 0.00978, (58.4, 62.0), "stable", -0.15, 0.0),
+    ("torus", 1): Row(271.74, 0.17073, 0.02585, (56.0, 64.5), "sidebands", 13.51, 124.0),
+    ("torus without falling friction", 3): Row(272.04, 0.15842, 0.01878, (56.3, 64.2), "sidebands", 6.33, 124.2),
+    ("period doubling", 2): Row(253.68, 0.15008, 0.0, (8.7, 120.2), "period doubling", 10.90, 126.84),
+    ("contact lost", 2): Row(1980.17, 0.22678, 0.0, (0.0, 174.1), "stable", -0.12, 0.0),
+    ("stable low tone", 3): Row(150.63, 0.14846, 0.01563, (56.2, 64.0), "stable", -0.19, 30.9),
 }
 
 
 @pytest.mark.parametrize(("name", "case"), ROWS)
 def test_kinds_of_cycles(name: str, case: int) -> None:
-    """Frequency to 0.05 Hz, level, forces to 0.3 kN beside that, exponents to 3 % or 0.1 1/s."""
+    """Frequency to 0.05 Hz, level, forces to 0.3 kN, exponents to 3 % or 0.1 1/s."""
     row = ROWS[name, case]
     cycle = only(tone_of(case, row.frequency_hz))
     assert cycle.frequency_hz == pytest.approx(row.frequency_hz, abs=0.05)
     assert cycle.wheel_velocity_rms["lat"] == pytest.approx(row.wheel, rel=RMS)
-    assert cycle.rail_velocity_rms["lat"] == pytest.approx(row.rail, rel=2 * RMS, abs=1e-9)
-    swing = row.normal[1] - row.normal[0]
+    assert cycle.rail_velocity_rms["lat"] == pytest.approx(row.rail, rel=5 * RMS, abs=1e-9)
     for force, wanted in zip(cycle.normal_force, row.normal, strict=True):
-        assert force / 1e3 == pytest.approx(wanted, abs=0.3 + RMS * swing)
+        assert force / 1e3 == pytest.approx(wanted, abs=0.3)
     judged = cycle.stability
     assert judged is not None
     assert judged.kind == row.kind
@@ -64,7 +63,7 @@ def test_threshold_and_the_tone_above_it() -> None:
     assert [round(c.frequency_hz, 1) for c in found.cycles] == [2574.9, 2575.0]
     loud, threshold = sorted(found.cycles, key=lambda c: -c.amplitude)
     assert threshold.wheel_velocity_rms["lat"] == pytest.approx(0.07002, rel=RMS)
-    assert loud.wheel_velocity_rms["lat"] == pytest.approx(0.12981, rel=RMS)
+    assert loud.wheel_velocity_rms["lat"] == pytest.approx(0.12787, rel=RMS)
     assert threshold.stability is not None
     assert loud.stability is not None
     assert threshold.stability.threshold
@@ -84,7 +83,23 @@ def test_two_stable_tones_of_one_pole() -> None:
     """The finite-element wheel has three cycles near 1980 Hz, the middle one a threshold between two that last."""
     found = tone_of(1, 1980.0, "generic840")
     values = [(c.frequency_hz, c.wheel_velocity_rms["lat"], c.stable) for c in found.cycles]
-    assert np.allclose([v[0] for v in values], [1979.01, 1981.39, 1982.51], atol=0.05)
-    assert np.allclose([v[1] for v in values], [0.14743, 0.17530, 0.20904], rtol=RMS)
+    assert np.allclose([v[0] for v in values], [1979.05, 1981.41, 1982.51], atol=0.05)
+    assert np.allclose([v[1] for v in values], [0.14608, 0.17390, 0.20585], rtol=RMS)
     assert [v[2] for v in values] == [True, False, True]
     assert found.cycles[1].fate == "threshold: less falls, more rises"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "tone", "error"), [(1, 1100.0, 3e-4), (2, 1980.0, 3e-4), (3, 150.6, 1e-3)])
+def test_the_time_domain_tends_to_the_cycles(case: int, tone: float, error: float) -> None:
+    """Runs from the cycle at two steps, extrapolated: the coupling is of second order.
+
+    At 150 Hz the window of 0.2 s holds 30 periods, and the cycle's slow sideband has not died out.
+    """
+    cycle = tone_of(case, tone).near(tone)
+    levels = []
+    for h in (5e-6, 2.5e-6):
+        velocity = fused_run(cycle.balance.model, start_of(cycle.motion), h, 0.3)[round(0.1 / h) :, 0]
+        levels.append(float(np.sqrt(np.square(velocity).mean())))
+    limit = (4 * levels[1] - levels[0]) / 3
+    assert limit == pytest.approx(cycle.wheel_velocity_rms["lat"], rel=error)
