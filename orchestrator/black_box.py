@@ -129,7 +129,7 @@ def _column(fmu: Fmu, parameters: Mapping[str, Value], step: float, every: int, 
     lengths = [[step]] * (RECORD_STEPS + 1)
     lengths += [[every * step] if long else [step] * every] * (TAIL_SAMPLES - 1)
     velocity = np.empty((len(lengths), 4))
-    instance = FmuInstance(fmu, f"probe_{direction}")
+    instance = FmuInstance(fmu, f"probe_{direction}", scratch=True)
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, (RECORD_STEPS + every * TAIL_SAMPLES) * step)

@@ -20,6 +20,7 @@ FAILED = -1
 
 def serve(connection: Connection, path: Path, name: str) -> None:
     """Instantiate an FMU and answer calls, each with status, result and messages, until the other side is gone."""
+    os.dup2(2, 1)  # what the FMU prints is not for the standard output, which may be a program's input
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the master's business
     messages: list[str] = []
     slave: list[_Slave] = []
@@ -34,6 +35,8 @@ def serve(connection: Connection, path: Path, name: str) -> None:
         except (EOFError, OSError):
             break
         _reply(connection, messages, getattr(slave[0], call, None) or getattr(slave[0].binding, call), *arguments)
+    for each in slave:
+        each.binding.folder.close()
     os._exit(0)
 
 

@@ -13,7 +13,6 @@ from fmus.interface import DIRECTIONS, PAIRS, STEP_SIZE
 
 from .assembly import Assembly, Bond
 from .fmu import Fmu, FmuInstance, Value
-from .rates import period
 
 Matrix = NDArray[np.float64]
 
@@ -34,7 +33,7 @@ def contact_mobility(assembly: Assembly, step: float, timeout: float | None = No
     for name in sorted(structures):
         bonds = {b.direction: b for b in assembly.bonds if b.force.wire.end_element == name}
         fmu = assembly.fmus[name]
-        own_step = step * period(fmu, step)
+        own_step = step * assembly.periods(step)[name]
         parameters = with_step(fmu, assembly.parameters[name], own_step)
         published = published_mobility(fmu, parameters, timeout) if _as_in_contract(bonds) else None
         if published is None:
@@ -67,7 +66,7 @@ def published_mobility(fmu: Fmu, parameters: Mapping[str, Value], timeout: float
     names = [f"y_{row}_{column}" for row, column in PAIRS]
     if not all(name in fmu.variables for name in names):
         return None
-    instance = FmuInstance(fmu, "scratch", timeout)
+    instance = FmuInstance(fmu, "scratch", timeout, scratch=True)
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, 1.0)
@@ -119,7 +118,7 @@ def _started(
     fmu: Fmu, parameters: Mapping[str, Value], step: float, timeout: float | None, stack: ExitStack
 ) -> FmuInstance:
     """Return a scratch instance that is ready to step; the stack closes it."""
-    instance = FmuInstance(fmu, "scratch", timeout)
+    instance = FmuInstance(fmu, "scratch", timeout, scratch=True)
     stack.callback(instance.close)
     instance.set(parameters)
     instance.enter_initialization_mode(0.0, step)

@@ -21,6 +21,7 @@ from .report_plots import Plot
 from .results import open_results
 from .run_model import RunModel, model_of
 from .sound import compressed, pressure_of
+from .spectra import regular
 from .step_map import scheme_error
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -146,6 +147,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     """Return what there is to say of one run."""
     if "wheel.v_lat" not in data or "step_s" not in data.attrs:
         raise InputError(f"{path}: holds no wheel.v_lat, so it is not a run of the wheel/rail system")
+    data = regular(data)
     if data.sizes["time"] < _LEAST_ROWS:
         raise InputError(f"{path}: has {data.sizes['time']} rows; a report needs at least {_LEAST_ROWS}")
     model, cycle = model_of(data), limit_cycle(data)

@@ -22,7 +22,7 @@ from fmus.wheel.wheelset import Wheelset
 from .acoustics import REFERENCE_PRESSURE, Radiation, modal_spectra, power_per_velocity, sound_power, wheelset_of
 from .errors import InputError
 from .recording import columns
-from .spectra import sample_interval_of, total
+from .spectra import regular, sample_interval_of, total
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -72,6 +72,7 @@ def pressure_of(data: xr.Dataset, wheel: str | None = None, radiation: Radiation
         too low a rate for the wheel's modes, or do not vibrate.
     """
     wheelset, how = wheelset_of(data, wheel), radiation or Radiation()
+    data = regular(data)
     names = columns("wheel", list(data.data_vars))
     interval = sample_interval_of(data[names[0]])
     _require(data, wheelset, interval)

@@ -66,15 +66,15 @@ def read_settings(document: Document) -> ExperimentSettings:
     )  # fmt: skip
 
 
-def read_stage(document: Document, component: etree._Element) -> int | None:
-    """Return the place in the order of stepping that an annotation gives a component, None if none does."""
-    ours = _own(document, [component], "Component", ("stage",))
-    if ours is None or ours.get("stage") is None:
-        return None
-    text = ours.get("stage")
-    if not text.isdecimal():
+def read_component(document: Document, component: etree._Element) -> tuple[int | None, float | None]:
+    """Return the place in the order of stepping and the step [s] that an annotation gives a component, None if none."""
+    ours = _own(document, [component], "Component", ("stage", "stepSize"))
+    if ours is None:
+        return None, None
+    text, step = ours.get("stage"), ours.get("stepSize")
+    if text is not None and not text.isdecimal():
         raise document.error(ours, f"stage = {text!r}: must be a whole number, 0 or larger")
-    return int(text)
+    return None if text is None else int(text), None if step is None else _positive(document, ours, step)
 
 
 def _own(

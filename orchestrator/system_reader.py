@@ -11,7 +11,7 @@ from lxml import etree
 from .archive import unpack
 from .errors import InputError
 from .system import Connector, Element, Hop, Parameter, System, listing
-from .system_annotations import read_settings, read_stage
+from .system_annotations import read_component, read_settings
 from .system_graph import SOURCES, TARGETS, Graph, Port
 from .system_parameters import bindings
 from .system_xml import SSB, SSC, SSD, Document, local, parse, read_document
@@ -152,7 +152,8 @@ def _read_component(graph: Graph, place: _Place, node: etree._Element) -> str:
         raise document.error(node, f"wants {node.get('implementation')}; only CoSimulation is supported")
     connectors = _read_connectors(document, node)
     graph.connectors.update({Port(name, key): connector for key, connector in connectors.items()})
-    graph.elements[name] = Element(name, document.resolve(node, source), values, connectors, read_stage(document, node))
+    stage, step = read_component(document, node)
+    graph.elements[name] = Element(name, document.resolve(node, source), values, connectors, stage, step)
     return "Component"
 
 
@@ -203,15 +204,16 @@ def _read_connection(graph: Graph, place: _Place, node: etree._Element, kinds: M
         verb = "give" if start_gives else "take"
         raise document.error(node, f"both connectors {verb} values: {start} and {end}")
     source, target = (end, start) if start_gives is False or end_gives else (start, end)
-    factor, offset = 1.0, 0.0
+    factor, offset, declared = 1.0, 0.0, False
     for change in node:
         if local(change) == "LinearTransformation":
+            declared = True
             factor, offset = document.number(change, "factor", 1.0), document.number(change, "offset", 0.0)
         elif local(change).endswith("Transformation"):
             raise document.error(node, f"a {local(change)} of a connection is not supported")
     convert = node.get("suppressUnitConversion", "false") not in ("true", "1")
     unit = graph.connectors.get(target, Connector()).unit
-    graph.connect(source, target, Hop(unit, factor, offset, convert), document.where(node))
+    graph.connect(source, target, Hop(unit, factor, offset, convert, declared), document.where(node))
 
 
 def _read_end(
