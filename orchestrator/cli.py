@@ -65,12 +65,21 @@ def command_line() -> int:
     return 0
 
 
+def keep_standard_output() -> None:
+    """Keep the standard output for what commands print; what FMUs and other libraries print goes to the error stream."""
+    sys.stdout.flush()
+    own = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(own, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
+
+
 def main() -> None:
     """Run the command line and leave the process at once.
 
     PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
     it anyway: the libraries of FMUs get no chance to do more.
     """
+    keep_standard_output()
     code = command_line()
     sys.stdout.flush()
     sys.stderr.flush()

@@ -6,7 +6,7 @@ Five lines do it:
 >>> scenario = load("case1", duration=0.002, values={"contact": {"mu0": 0.35}})
 >>> run = simulate(scenario, folder=folder)
 >>> run.data["wheel.v_lat"].sizes["time"]
-100
+101
 >>> run.spurious.largest < 5  # growth-rate error of the scheme below 5 kHz [1/s]
 True
 """

@@ -32,12 +32,13 @@ from .folder import InstanceFolder, instance_folder
 Say = Callable[[str], None]
 
 _numbers = count(1)
-_listeners: dict[int, Say] = {}
-"""Who hears what an instance of FMI 2.0 says, by the number that is its environment."""
+_listeners: dict[int | bytes, Say] = {}
+"""Who hears what an instance of FMI 2.0 says, by the number that is its environment, and by its name."""
 
 
-def _hear(environment: Any, _instance: Any, _status: int, _category: Any, message: bytes) -> None:
-    say = _listeners.get(environment or 0)
+def _hear(environment: Any, instance: bytes | None, _status: int, _category: Any, message: bytes | None) -> None:
+    """Hand on what an instance says; by its name where an FMU forgets its environment."""
+    say = _listeners.get(environment or 0) or _listeners.get(instance or b"")
     if say is not None:
         say(message.decode("utf-8", "replace") if message else "")
 
@@ -129,7 +130,8 @@ class Fmi2(Binding):
 
     def __init__(self, fmu: Fmu, name: str, say: Say) -> None:
         self._number = next(_numbers)
-        _listeners[self._number] = say
+        self._names = (self._number, name.encode())
+        _listeners.update(dict.fromkeys(self._names, say))
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = _LOGGER
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -157,7 +159,8 @@ class Fmi2(Binding):
     def free(self) -> None:
         """Free the instance."""
         super().free()
-        _listeners.pop(self._number, None)
+        for each in self._names:
+            _listeners.pop(each, None)
 
     def get(self, fmi_type: str, references: Sequence[int], _count: int) -> list[Any]:
         """Return variables of one type."""

@@ -46,7 +46,7 @@ def test_run_prints_one_json_object(case1: tuple[Path, dict[str, object]]) -> No
 def test_run_leaves_results_csv_and_picture(case1: tuple[Path, dict[str, object]]) -> None:
     folder, data = case1
     with open_results(Path(str(data["results"]))) as results:
-        assert results.sizes["time"] == 2500
+        assert results.sizes["time"] == 2501
         attributes = results.attrs
         assert json.loads(attributes["parameters"])["contact"]["falling_ratio"] == 0.1
         assert set(json.loads(attributes["fmus"])) == {"wheel", "rail", "contact"}

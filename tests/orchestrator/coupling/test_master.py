@@ -21,9 +21,9 @@ from fmus.interface import DIRECTIONS, PAIRS
 from fmus.wheel.class158 import identified_stiffness
 from fmus.wheel.component import wheel
 from orchestrator.coupling.algorithms import stages
-from orchestrator.coupling.dependencies import Coupling
 from orchestrator.coupling.assembly import Assembly, assemble
 from orchestrator.coupling.contact_mobility import contact_mobility, power_pairs
+from orchestrator.coupling.dependencies import Coupling
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError
 from orchestrator.probing.mobility import probed_mobility, published_mobility, with_step
@@ -167,8 +167,8 @@ def test_order_comes_from_dependencies_then_annotation_then_place() -> None:
     feeds = {"a": frozenset({"link"}), "link": frozenset({"a", "b"}), "b": frozenset({"link"})}
     silent: dict[str, bool | None] = dict.fromkeys(feeds)
     assert Coupling.of_components(feeds, silent).guesses() == [
-        "a, link, b do not declare which outputs depend on which inputs, so FMI has them depend on all, and a, link, b wait "
-        "for each other: a, b first with inputs of the step before, then link; if that is wrong, the annotation "
+        "a, link, b do not declare which outputs depend on which inputs, so FMI has them depend on all, and a, link, b "
+        "wait for each other: a, b first with inputs of the step before, then link; if that is wrong, the annotation "
         '<Component stage="..."/> in the SSD settles it (docs/conventions.md)'
     ]
     annotated = Coupling.of_components(feeds, silent, {"a": 1, "link": 0, "b": 0})
@@ -270,6 +270,19 @@ def test_algebraic_loop_runs_with_jacobi_as_the_refusal_says(tmp_path: Path) -> 
     assert sorted(last) == pytest.approx([0.4, 1.2], rel=1e-12)
 
 
+def test_a_component_may_end_the_run_in_fmi_2(tmp_path: Path) -> None:
+    """fmi2Discard with fmi2Terminated, which is what False means to PythonFMU: the run ends well, its rows are kept."""
+    system = read_system(ring(tmp_path, "if self.steps == 7: return False"))
+    path = tmp_path / "r.nc"
+    with (
+        Master(assemble(system), Settings(1e-4, 0.01, "jacobi", record_every=1)) as master,
+        ResultsFile(path, master.signals(), {}) as results,
+    ):
+        assert master.run(results).ended == "b ended the simulation at t = 0.0006 s"
+    with open_results(path) as data:
+        assert data.sizes["time"] == 7
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [
@@ -277,7 +290,6 @@ def test_algebraic_loop_runs_with_jacobi_as_the_refusal_says(tmp_path: Path) -> 
             "if self.steps == 7: raise RuntimeError('out of sand')",
             r"b: doStep returned fatal at t = 0.0006 s: out of sand",
         ),
-        ("if self.steps == 7: return False", r"b: doStep returned discard at t = 0.0006 s"),
         (
             "self.y = float('nan') if self.steps == 7 else 0.0",
             r"b: output y = nan at t = 0.0006 s: not a finite number",
