@@ -66,7 +66,7 @@ def command_line() -> int:
 
 
 def keep_standard_output() -> None:
-    """Keep the standard output for what commands print; what FMUs and other libraries print goes to the error stream."""
+    """Keep the standard output for what commands print; what FMUs print goes to the error stream."""
     sys.stdout.flush()
     own = os.dup(1)
     os.dup2(2, 1)

@@ -126,7 +126,8 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     passed_over = (notice for v in values.values() for notice in v.notices)
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
-    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters))
+    faults = {f for fmu in fmus.values() for f in fmu.faults}
+    notices = (*system.notices, *sorted(faults), *passed_over, *_held_inputs(links, fmus, parameters))
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
     return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
 

@@ -14,11 +14,12 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from fmpy import read_model_description, supported_platforms
+from fmpy import supported_platforms
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from ..archive import sha256, unpack
-from ..errors import InputError
+from ..archive import sha256, unpack, zip_faults
+from ..errors import Fault, InputError
+from .description import read_description
 
 Value = float | int | bool | str
 
@@ -98,7 +99,7 @@ class Fmu:
     folder: Path
     description: ModelDescription
     checksum: str
-    faults: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
     structure: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -245,10 +246,7 @@ def open_fmu(path: Path) -> Fmu:
     folder = unpack(path, "FMU")
     if not (folder / "modelDescription.xml").is_file():
         raise InputError(f"{path}: holds no modelDescription.xml, so it is not an FMU")
-    try:
-        description = read_model_description(str(folder), validate=True)
-    except Exception as error:  # FMPy raises bare exceptions
-        raise InputError(f"{path}: modelDescription.xml is not valid: {first_line(error)}") from None
+    description, faults = read_description(folder, path)
     if description.fmiVersion.partition(".")[0] not in ("2", "3"):
         raise InputError(f"{path}: is FMI {description.fmiVersion}; FMI 2.0 or 3.0 is wanted")
     if description.coSimulation is None:
@@ -256,10 +254,4 @@ def open_fmu(path: Path) -> Fmu:
         raise InputError(f"{path}: offers {other} only; co-simulation is wanted")
     if not supported_platforms(str(folder)):
         raise InputError(f"{path}: holds no binaries")
-    return Fmu(path, folder, description, sha256(path))
-
-
-def first_line(error: Exception) -> str:
-    """Return the first line of what an exception says, the second too if the first announces it, or its name."""
-    lines = str(error).strip().splitlines() or [type(error).__name__]
-    return f"{lines[0]} {lines[1].lstrip('- ')}" if lines[0].endswith(":") and len(lines) > 1 else lines[0]
+    return Fmu(path, folder, description, sha256(path), (*zip_faults(path), *faults))

@@ -11,7 +11,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..errors import SimulationError
 from .binding import BINDINGS, Fmi2, Fmi3
-from .file import Fmu, Value, Variable, first_line, open_fmu
+from .description import first_line
+from .file import Fmu, Value, Variable, open_fmu
 
 if TYPE_CHECKING:
     from .isolation import IsolatedBinding

@@ -12,7 +12,8 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 
 from .binding import BINDINGS, Fmi2, Fmi3
-from .file import first_line, open_fmu
+from .description import first_line
+from .file import open_fmu
 
 FAILED = -1
 """In the place of a status: the call ended with an exception that is not FMI's."""
