@@ -12,7 +12,7 @@ from itertools import count
 from typing import Any, ClassVar
 
 import numpy as np
-from fmpy import calloc, free, platform, platform_tuple, sharedLibraryExtension
+from fmpy import calloc, free
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -44,13 +44,6 @@ def _hear(environment: Any, instance: bytes | None, _status: int, _category: Any
 
 
 _LOGGER = fmi2CallbackLoggerTYPE(_hear)
-
-
-def _library(fmu: Fmu) -> str:
-    """Return the path of the library for this machine."""
-    place = platform if fmu.version == 2 else platform_tuple
-    name = f"{fmu.description.coSimulation.modelIdentifier}{sharedLibraryExtension}"
-    return str((fmu.folder / "binaries" / place / name).absolute())
 
 
 class Binding:
@@ -141,11 +134,11 @@ class Fmi2(Binding):
         self.folder = instance_folder(fmu)
         self.slave = FMU2Slave(
             guid=fmu.description.guid,
-            unzipDirectory=str(self.folder.path),
+            unzipDirectory=str(fmu.folder),
             modelIdentifier=fmu.description.coSimulation.modelIdentifier,
             instanceName=name,
-            libraryPath=_library(fmu),
         )
+        self.slave.unzipDirectory = str(self.folder.path)  # where it looks for resources; the library is loaded
         guard_exit(fmu.folder)
 
     def instantiate(self) -> None:
@@ -232,11 +225,11 @@ class Fmi3(Binding):
         self.folder = instance_folder(fmu)
         self.slave = FMU3Slave(
             guid=fmu.description.instantiationToken,
-            unzipDirectory=str(self.folder.path),
+            unzipDirectory=str(fmu.folder),
             modelIdentifier=fmu.description.coSimulation.modelIdentifier,
             instanceName=name,
-            libraryPath=_library(fmu),
         )
+        self.slave.unzipDirectory = str(self.folder.path)  # where it looks for resources; the library is loaded
 
     def instantiate(self) -> None:
         """Make the instance: one that handles its events itself, else one whose events are handled here."""
