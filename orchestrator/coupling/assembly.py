@@ -94,7 +94,8 @@ class Assembly:
 
 def open_fmus(system: System) -> dict[str, Fmu]:
     """Return the FMUs of a system by component."""
-    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+    files = {source: open_fmu(source) for source in dict.fromkeys(e.source for e in system.elements.values())}
+    return {name: files[element.source] for name, element in system.elements.items()}
 
 
 def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:

@@ -63,6 +63,7 @@ class Master:
         self.parameters = self._all_parameters()
         self.wiring = Wiring.of(assembly)
         self.outputs = list(self.wiring.outputs)
+        self._index = {name: k for k, name in enumerate(assembly.fmus)}
         self.directions = list(self.wiring.directions)
         self.further = recording.recorded(assembly.fmus, settings.record)
         self.progress = Progress(settings.steps)
@@ -180,7 +181,7 @@ class Master:
 
     def _exchange(self, name: str, what: int) -> None:
         """Bring the inputs of a component up to date or get its outputs, between steps."""
-        where = list(self.instances).index(name)
+        where = self._index[name]
         status = loop.exchange(self.plan, where, what == loop.SET)
         if status > 1:
             raise SimulationError(self._explain(what, where, status, self.assembly.system.start))

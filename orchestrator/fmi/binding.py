@@ -46,6 +46,33 @@ def _hear(environment: Any, instance: bytes | None, _status: int, _category: Any
 _LOGGER = fmi2CallbackLoggerTYPE(_hear)
 
 
+_signatures: dict[type, dict[str, tuple[Any, Any, Any]]] = {}
+"""Names of arguments, their types and that of the result of the FMI functions, by class."""
+
+
+class _Quick:
+    """FMPy looks up at each instance what its own methods are; once is enough, where there are a thousand instances."""
+
+    def _loadFunctions(self: Any) -> None:  # noqa: N802 - FMPy's name
+        known = _signatures.get(type(self))
+        if known is None:
+            super()._loadFunctions()  # type: ignore[misc]
+            _signatures[type(self)] = {n: (f.argnames, f.argtypes, f.restype) for n, f in self._functions.items()}
+            return
+        for name, (names, types, result) in known.items():
+            function = getattr(self.dll, name)
+            function.argnames, function.argtypes, function.restype = names, types, result
+            self._functions[name] = function
+
+
+class FMU2Quick(_Quick, FMU2Slave):
+    """FMPy's slave of FMI 2.0; it goes by the beginning of its class's name."""
+
+
+class FMU3Quick(_Quick, FMU3Slave):
+    """FMPy's slave of FMI 3.0."""
+
+
 class Binding:
     """A slave with the calls that the two versions of FMI share; subclasses say what they are called.
 
@@ -132,7 +159,7 @@ class Fmi2(Binding):
         self._callbacks.componentEnvironment = self._number
         _fill_in_arguments(self._callbacks)
         self.folder = instance_folder(fmu)
-        self.slave = FMU2Slave(
+        self.slave = FMU2Quick(
             guid=fmu.description.guid,
             unzipDirectory=str(fmu.folder),
             modelIdentifier=fmu.description.coSimulation.modelIdentifier,
@@ -223,7 +250,7 @@ class Fmi3(Binding):
         self._events = False
         self._callback: Any = None
         self.folder = instance_folder(fmu)
-        self.slave = FMU3Slave(
+        self.slave = FMU3Quick(
             guid=fmu.description.instantiationToken,
             unzipDirectory=str(fmu.folder),
             modelIdentifier=fmu.description.coSimulation.modelIdentifier,

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -69,10 +70,14 @@ def _parse(file: Path, shown: str) -> etree._Element:
         raise InputError(f"{shown} is not valid: {first_line(error)}") from None
 
 
+@cache
+def _schema(version: str) -> etree.XMLSchema:
+    return etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema" / _SCHEMAS[version]))
+
+
 def _check_schema(root: etree._Element, shown: str) -> None:
     """Raise InputError unless a model description is valid against the schema of its version."""
-    file = Path(fmpy.__file__).parent / "schema" / _SCHEMAS[root.get("fmiVersion").partition(".")[0]]
-    schema = etree.XMLSchema(file=str(file))
+    schema = _schema(root.get("fmiVersion").partition(".")[0])
     if not schema.validate(root):
         first = schema.error_log[0]
         raise InputError(f"{shown} is not valid: line {first.line}: {first.message}")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fmi3_fmu import write_ssd
+from foreign_fmus import Rows
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from table_fmus import COMPILER, UNITS, WHOLE_SLOTS, Rule, Table, Twin, Var
@@ -223,26 +224,6 @@ class Interpreter:
                 values = self.twins[name].get(v)
                 found.update({f"{name}.{e}": x for e, x in zip(v.elements, values, strict=True)})
         return found
-
-
-class Rows:
-    """Takes the rows of a run."""
-
-    path = Path()
-
-    def __init__(self) -> None:
-        self.times: list[float] = []
-        self.parts: list[np.ndarray] = []
-        self.rows = 0
-
-    def append(self, time: np.ndarray, rows: np.ndarray) -> None:
-        """Keep rows."""
-        self.times += time.tolist()
-        self.parts.append(rows.copy())
-        self.rows += len(time)
-
-    def sync(self) -> None:
-        """Do nothing."""
 
 
 def compare(case: Case, folder: Path) -> None:
