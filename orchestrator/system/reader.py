@@ -59,10 +59,10 @@ class _Place:
 
 def read_archive(path: Path, variant: str | None) -> System:
     """Return the system of an .ssp file."""
-    faults: list[str] = list(zip_faults(path))
+    faults: list[str] = []
     folder, file, names = _variant(path, variant, faults)
     system = read_description(file, folder, f"{path}: {file.name}")
-    return replace(system, path=path, variants=names, notices=(*faults, *system.notices))
+    return replace(system, path=path, variants=names, notices=(*zip_faults(path), *faults, *system.notices))
 
 
 def _variant(path: Path, variant: str | None, notices: list[str]) -> tuple[Path, Path, tuple[str, ...]]:
