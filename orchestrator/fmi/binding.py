@@ -65,11 +65,11 @@ class _Quick:
             self._functions[name] = function
 
 
-class FMU2Quick(_Quick, FMU2Slave):
+class FMU2Quick(_Quick, FMU2Slave):  # type: ignore[misc]
     """FMPy's slave of FMI 2.0; it goes by the beginning of its class's name."""
 
 
-class FMU3Quick(_Quick, FMU3Slave):
+class FMU3Quick(_Quick, FMU3Slave):  # type: ignore[misc]
     """FMPy's slave of FMI 3.0."""
 
 

@@ -45,7 +45,7 @@ Samples = TypeVar("Samples", "xr.Dataset", "xr.DataArray")
 
 def regular(data: Samples) -> Samples:
     """Return the rows that are equally far apart: all but a last one that is there only as the end of the run."""
-    time = data["time"].to_numpy()
+    time = data["time"].to_numpy() if "time" in data.coords else np.zeros(0)
     if time.size > 2 and time[-1] - time[-2] < (1 - 1e-3) * (time[1] - time[0]):
         return data.isel(time=slice(None, -1))
     return data

@@ -125,7 +125,7 @@ def test_large_numbers_stay_exact(tmp_path: Path) -> None:
     ssd = write_ssd(tmp_path / "s.ssd", {"c": fmu}, [], stop=1.0)
     outcome = run_scenario(Scenario(str(ssd), step=0.1), tmp_path / "r", Report(csv=True, picture=False))
     with open_results(outcome.results) as data:
-        assert (data["c.n"].dtype, data["c.y"].dtype, data["c.b"].dtype) == ("int32", "float64", "bool")
+        assert [data[f"c.{name}"].dtype.name for name in "nyb"] == ["int32", "float64", "bool"]
         assert (int(data["c.n"][-1]), float(data["c.y"][-1])) == (16777227, 100000002.5)
     lines = outcome.results.with_suffix(".csv").read_text().splitlines()
     assert lines[0] == "time [s],c.y [],c.n [],c.b []" or lines[0] == "time [s],c.n [],c.y [],c.b []"

@@ -127,7 +127,7 @@ def test_a_checkpoint_without_its_results_is_refused(tmp_path: Path) -> None:
     outcome = run_scenario(Scenario("case4", duration=0.001), tmp_path, QUIET, Keeping(tmp_path / "c"))
     data = outcome.results.read_bytes()
     outcome.results.write_bytes(data[:-100])
-    with pytest.raises(InputError, match="does not hold the 50 rows that the checkpoint goes on from"):
+    with pytest.raises(InputError, match="does not hold the 51 rows that the checkpoint goes on from"):
         resume(tmp_path / "c", QUIET)
     outcome.results.unlink()
     with pytest.raises(InputError, match="cannot go on with these results: No such file"):
