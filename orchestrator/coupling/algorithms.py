@@ -30,9 +30,9 @@ def independent_first(coupling: Coupling) -> Stages:
         stuck = [name for name in members if name not in coupling.repeatable]
         way = (
             f"{stuck[0]} cannot get and set its state, so a step cannot be repeated until they agree; "
-            "use --algorithm jacobi"
+            "use the algorithm jacobi"
             if stuck
-            else "use --algorithm iterative, which repeats the step until they agree"
+            else "use the algorithm iterative, which repeats the step until they agree"
         )
         raise InputError(
             f"algebraic loop: the outputs of {', '.join(members)} depend on each other within a step; {way}"

@@ -140,7 +140,7 @@ class Master:
                 other = "jacobi" if self.assembly.coupling.order.loops else "staggered"
                 raise InputError(
                     f"{self.settings.algorithm}: {name} ({fmu.path.name}) {why}, so a step cannot be repeated; "
-                    f"use --algorithm {other}"
+                    f"use the algorithm {other}"
                 )
 
     def _all_parameters(self) -> dict[str, dict[str, Value]]:

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Mapping, Sequence
-from fnmatch import fnmatchcase
 
 from numba import njit
 
 from ..errors import InputError
 from ..fmi.file import NUMERIC, Fmu
-from ..results.columns import MODAL_VELOCITIES
+from ..results.columns import MODAL_VELOCITIES, matches
 from . import loop
 
 
@@ -33,13 +32,13 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].type in NUMERIC]
     outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output")]
     for pattern in wanted or ():
-        if not any(fnmatchcase(f"{c}.{v}", pattern) for c, v in local + outputs):
+        if not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
             raise InputError(
-                f"--record {pattern}: matches no output and no local variable that is a number; "
+                f"record {pattern}: matches no output and no local variable that is a number; "
                 f"a pattern looks like {MODAL_VELOCITIES}"
             )
     chosen = (MODAL_VELOCITIES,) if wanted is None else wanted
-    return [(c, v) for c, v in local if any(fnmatchcase(f"{c}.{v}", pattern) for pattern in chosen)]
+    return [(c, v) for c, v in local if any(matches(f"{c}.{v}", pattern) for pattern in chosen)]
 
 
 def patterns(texts: Sequence[str] | None) -> tuple[str, ...] | None:

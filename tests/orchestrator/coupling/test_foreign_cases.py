@@ -185,7 +185,7 @@ def test_an_algebraic_loop_has_one_way_out(tmp_path: Path) -> None:
     ssd = write_ssd(tmp_path / "s.ssd", parts, [("p.y", "q.u"), ("q.y", "p.u")])
     for algorithm in ("staggered", "iterative"):
         with pytest.raises(
-            InputError, match=r"cannot get and set its state, so a step cannot be repeated.*use --algorithm jacobi$"
+            InputError, match=r"cannot get and set its state, so a step cannot be repeated.*use the algorithm jacobi$"
         ):
             simulate(ssd, Settings(0.1, 1.0, algorithm))
     _, found, _ = simulate(ssd, Settings(0.1, 5.0, "jacobi"))
