@@ -76,6 +76,12 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     )
 
 
+def _called(modes: Modes, i: int) -> str:
+    """Return what a description calls mode `i`, with its label if it has one."""
+    label = modes.labels[i] if i < len(modes.labels) else ""
+    return f"mode {i + 1} ({label})" if label else f"mode {i + 1}"
+
+
 def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
     """Return the blocks of modal parameters, padded to `n` modes."""
     blocks = [
@@ -89,7 +95,7 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
     blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
     return tuple(
         Variable(
-            name_of(name, i + 1), "parameter", unit, f"{text} of mode {i + 1}",
+            name_of(name, i + 1), "parameter", unit, f"{text} of {_called(modes, i)}",
             start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
         )
         for name, unit, text, values, low, high, nominal in blocks

@@ -61,7 +61,7 @@ def resized(element: Element, fmu: Fmu) -> Fmu:
         if variable is not None and variable.causality == "structuralParameter":
             where = f"parameter {element.name}.{name}" + (f" ({parameter.origin})" if parameter.origin else "")
             value = _convert(parameter, variable.type, None, {}, where)
-            _check_range(float(value), (variable.min or "0", variable.max), None, f"{where} = {value}")
+            _check_range(float(value), (variable.min or "1", variable.max), None, f"{where} = {value}")
             sizes[name] = int(value)
     return fmu.resized(sizes) if sizes else fmu
 

@@ -60,7 +60,7 @@ class Var:
         """Real, Integer or Boolean."""
         if self.type in ("Real", "Float64", "Float32"):
             return "Real"
-        return "Boolean" if self.type == "Boolean" else "Integer"
+        return self.type if self.type in ("Boolean", "String") else "Integer"
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,7 @@ class Table:
     Attributes
     ----------
     depends : by output, the inputs that it declares to depend on; an output that is missing is silent
+    source, token, xml, more : another slave, its GUID, a whole model description, further resources
     """
 
     name: str
@@ -92,6 +93,10 @@ class Table:
     depends: dict[str, tuple[str, ...]] = field(default_factory=dict)
     flags: str = 'canHandleVariableCommunicationStepSize="true"'
     states: bool = True
+    source: Path = SOURCE
+    token: str = "g"
+    xml: str = ""
+    more: dict[str, str] = field(default_factory=dict)
 
     def of(self, *causalities: str) -> list[Var]:
         """Return the variables of some causalities."""
@@ -102,9 +107,12 @@ class Table:
         path = folder / f"{self.name}.fmu"
         place = fmpy.platform if self.fmi == 2 else fmpy.platform_tuple
         with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("modelDescription.xml", self._xml2() if self.fmi == 2 else self._xml3())
-            archive.writestr("resources/model.txt", self._table())
-            archive.write(library(self.fmi), f"binaries/{place}/table{fmpy.sharedLibraryExtension}")
+            archive.writestr("modelDescription.xml", self.xml or (self._xml2() if self.fmi == 2 else self._xml3()))
+            if self.source == SOURCE:
+                archive.writestr("resources/model.txt", self._table())
+            for name, text in self.more.items():
+                archive.writestr(f"resources/{name}", text)
+            archive.write(library(self.fmi, self.source), f"binaries/{place}/table{fmpy.sharedLibraryExtension}")
         return path
 
     def _table(self) -> str:
@@ -142,7 +150,7 @@ class Table:
         unknowns = "".join(f'<Unknown index="{index[v.name]}"/>' for v in self.of("output"))
         return (
             '<?xml version="1.0" encoding="UTF-8"?>'
-            f'<fmiModelDescription fmiVersion="2.0" modelName="{self.name}" guid="g">'
+            f'<fmiModelDescription fmiVersion="2.0" modelName="{self.name}" guid="{self.token}">'
             f'<CoSimulation modelIdentifier="table" {self._states()} {self.flags}/>{self._units()}'
             f"<ModelVariables>{rows}</ModelVariables><ModelStructure><Outputs>{outputs}</Outputs><InitialUnknowns>"
             f"{unknowns}</InitialUnknowns>"
@@ -157,6 +165,8 @@ class Table:
             start = "" if v.start is None else f' start="{" ".join([_text(v)] * v.count)}"'
             unit = f' unit="{v.unit}"' if v.unit else ""
             inside = f'<Dimension start="{v.size}"/>' if v.size else ""
+            if v.type == "String" and v.start is not None:
+                start, inside = "", '<Start value="none"/>'
             inside += "".join(f'<Alias name="{a.name}"/>' for a in self.variables if a.alias == v.name)
             rows += (
                 f'<{v.type} name="{v.name}" valueReference="{v.reference}" causality="{v.causality}" '
@@ -170,7 +180,7 @@ class Table:
         outputs += "".join(f'<InitialUnknown valueReference="{v.reference}"/>' for v in main)
         return (
             f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="3.0" modelName="{self.name}" '
-            f'instantiationToken="g"><CoSimulation modelIdentifier="table" {self._states()} {self.flags}/>'
+            f'instantiationToken="{self.token}"><CoSimulation modelIdentifier="table" {self._states()} {self.flags}/>'
             f"{self._units()}"
             f"<ModelVariables>{rows}</ModelVariables><ModelStructure>{outputs}"
             "</ModelStructure></fmiModelDescription>"
@@ -179,6 +189,8 @@ class Table:
 
 def _text(v: Var) -> str:
     """Return a start value as XML has it."""
+    if v.type == "String":
+        return "none"
     if v.kind == "Boolean":
         return "true" if v.start else "false"
     return repr(float(v.start or 0)) if v.kind == "Real" else str(int(v.start or 0))
@@ -195,9 +207,9 @@ def _depends(places: list[str]) -> str:
 
 
 @cache
-def library(fmi: int) -> Path:
+def library(fmi: int, code: Path = SOURCE) -> Path:
     """Compile the slave for a version of FMI, once."""
-    source, folder = SOURCE.read_text(), Path(mkdtemp(prefix="table-"))
+    source, folder = code.read_text(), Path(mkdtemp(prefix="table-"))
     pairs = re.findall(r"PAIR\((\w+), fmi" + str(fmi), source)
     there = {f"fmi{fmi}{way}{name}" for name in pairs for way in ("Get", "Set")}
     names = [n for n, _ in inspect.getmembers(FMU2Slave if fmi == 2 else FMU3Slave) if n.startswith(f"fmi{fmi}")]
@@ -208,7 +220,7 @@ def library(fmi: int) -> Path:
     headers = Path(fmpy.__file__).parent / "c-code"
     subprocess.run(
         [str(COMPILER), "-shared", "-fPIC", "-O1", "-w", "-ffp-contract=off", f"-DFMI={fmi}", "-I", str(headers),
-         str(SOURCE), str(folder / "stubs.c"), "-o", str(result), "-lm"],
+         str(code), str(folder / "stubs.c"), "-o", str(result), "-lm"],
         check=True, capture_output=True,
     )  # fmt: skip
     return result
