@@ -46,23 +46,38 @@ def _hear(environment: Any, instance: bytes | None, _status: int, _category: Any
 _LOGGER = fmi2CallbackLoggerTYPE(_hear)
 
 
-_signatures: dict[type, dict[str, tuple[Any, Any, Any]]] = {}
-"""Names of arguments, their types and that of the result of the FMI functions, by class."""
+_Signatures = dict[str, tuple[Any, Any, Any]]
+"""Names of arguments, their types and that of the result of FMI functions, by name."""
+
+_complete: dict[str, _Signatures] = {}
+"""Libraries that have all functions, by path."""
+
+
+class _Functions(dict[str, Any]):
+    """The functions of a library, each looked up when it is called for the first time."""
+
+    def __init__(self, dll: Any, signatures: _Signatures) -> None:
+        super().__init__()
+        self._dll, self._signatures = dll, signatures
+
+    def __missing__(self, name: str) -> Any:
+        """Look up a function."""
+        function = getattr(self._dll, name)
+        function.argnames, function.argtypes, function.restype = self._signatures[name]
+        self[name] = function
+        return function
 
 
 class _Quick:
-    """FMPy looks up at each instance what its own methods are; once is enough, where there are a thousand instances."""
+    """FMPy looks up all functions for each instance; once per library is enough, where there are a thousand."""
 
     def _loadFunctions(self: Any) -> None:  # noqa: N802 - FMPy's name
-        known = _signatures.get(type(self))
-        if known is None:
+        path = self.dll._name
+        if path in _complete:
+            self._functions = _Functions(self.dll, _complete[path])
+        else:
             super()._loadFunctions()  # type: ignore[misc]
-            _signatures[type(self)] = {n: (f.argnames, f.argtypes, f.restype) for n, f in self._functions.items()}
-            return
-        for name, (names, types, result) in known.items():
-            function = getattr(self.dll, name)
-            function.argnames, function.argtypes, function.restype = names, types, result
-            self._functions[name] = function
+            _complete[path] = {n: (f.argnames, f.argtypes, f.restype) for n, f in self._functions.items()}
 
 
 class FMU2Quick(_Quick, FMU2Slave):  # type: ignore[misc]
