@@ -397,11 +397,11 @@ def test_xml_entities_are_not_expanded(tmp_path: Path, built: Path) -> None:
 KILLED = """
 import sys
 from pathlib import Path
-from orchestrator.assembly import assemble
-from orchestrator.master import Master, Settings
-from orchestrator.results import ResultsFile
-from orchestrator.scenario import built_ssp
-from orchestrator.system import read_system
+from orchestrator.coupling.assembly import assemble
+from orchestrator.coupling.master import Master, Settings
+from orchestrator.results.file import ResultsFile
+from orchestrator.system.cases import built_ssp
+from orchestrator.system.reader import read_system
 with Master(assemble(read_system(Path(sys.argv[1]))), Settings(5e-6, 100.0)) as master:
     with ResultsFile(Path(sys.argv[2]), master.signals(), {}) as results:
         master.run(results, lambda progress: print(progress.steps, flush=True))
