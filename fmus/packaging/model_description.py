@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from uuid import NAMESPACE_URL, uuid5
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -19,7 +19,9 @@ VARIABILITY = {
 }
 
 
-def model_description(component: Component, version: str, content: str, derivatives: bool = False) -> Element:
+def model_description(
+    component: Component, version: str, content: str, derivatives: bool = False, sources: Sequence[str] = ()
+) -> Element:
     """Return the root element of modelDescription.xml for FMI 2.0.
 
     Parameters
@@ -28,6 +30,7 @@ def model_description(component: Component, version: str, content: str, derivati
     version : version of the project
     content : text that identifies the code in the FMU; together with the declaration it makes the guid
     derivatives : whether the FMU provides directional derivatives
+    sources : names of the files that a C compiler makes the FMU of
     """
     root = Element("fmiModelDescription")
     options = {
@@ -41,7 +44,11 @@ def model_description(component: Component, version: str, content: str, derivati
     if derivatives:
         options["providesDirectionalDerivative"] = "true"
     unit_definitions(root, component)
-    SubElement(root, "CoSimulation", options)
+    interface = SubElement(root, "CoSimulation", options)
+    if sources:
+        listed = SubElement(interface, "SourceFiles")
+        for name in sources:
+            SubElement(listed, "File", name=name)
     log_categories(root)
     SubElement(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=repr(DEFAULT_STEP))
     variables = SubElement(root, "ModelVariables")

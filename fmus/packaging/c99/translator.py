@@ -166,9 +166,10 @@ def translate(kernels: Mapping[str, Any], sizes: list[int]) -> str:
         arguments: tuple[Type, ...] = (*(ARRAY,) * len(sizes), *more)
         error = TranslationError(f"{name}: unexpected parameters")
         functions.append(program.function(getattr(kernel, "py_func", kernel), arguments, error))
-        head = f"int32_t curvesqueal_{name}(void **result, void **error, double *memory{parameters})"
+        head = f"KERNEL int32_t curvesqueal_{name}(void **result, void **error, double *memory{parameters})"
         entries.append(
             f"\n{head};\n\n{head} {{\n    const Array a[5] = {{{arrays}}};\n    (void)result;\n    (void)error;\n"
             f"    {functions[-1].name}(a[0], a[1], a[2], a[3], a[4]{values});\n    return 0;\n}}\n"
         )
-    return "/* Translated from the Python source of the kernels. */\n" + program.text(functions) + "".join(entries)
+    head = "/* Translated from the Python source of the kernels. */\n#ifndef KERNEL\n#define KERNEL\n#endif\n"
+    return head + program.text(functions) + "".join(entries)

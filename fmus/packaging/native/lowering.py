@@ -56,7 +56,7 @@ def lower(components: Mapping[str, Component], triples: Iterable[str], folder: P
     folder : also gets NAME.ll, the kernels in LLVM's language
     """
     specification = {
-        "components": {name: [c.kernels, _sizes(c)] for name, c in components.items()},
+        "components": {name: [c.kernels, sizes_of(c)] for name, c in components.items()},
         "triples": sorted(triples),
         "folder": str(folder),
     }
@@ -71,7 +71,7 @@ def lower(components: Mapping[str, Component], triples: Iterable[str], folder: P
     return {(name, triple): folder / f"{name}.{triple}.o" for name in components for triple in specification["triples"]}
 
 
-def _sizes(component: Component) -> list[int]:
+def sizes_of(component: Component) -> list[int]:
     """Return the lengths of parameters, derived, state, inputs and outputs."""
     i = Instance(component)
     return [a.size for a in (i.parameters, i.derived, i.state, i.inputs, i.outputs)]
