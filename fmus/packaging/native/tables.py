@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from ...component import Component, Instance, Variable
-from ..arrays import arrays, scalars
+from ..description.arrays import arrays, scalars
 
 CAUSALITY = {
     "parameter": "PARAMETER",

@@ -1,0 +1,1 @@
+"""A scenario from start to end, and many of them."""
