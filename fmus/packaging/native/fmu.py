@@ -154,7 +154,8 @@ def _build_description(identifier: str) -> bytes:
     sources = SubElement(configuration, "SourceFileSet", language="C99")
     SubElement(sources, "SourceFile", name="fmi3.c")
     SubElement(configuration, "Library", name="m", external="true", description="the C mathematics library")
-    return tostring(root, "utf-8", xml_declaration=True)
+    text: bytes = tostring(root, "utf-8", xml_declaration=True)
+    return text
 
 
 def _kernel_text(component: Component) -> bytes:

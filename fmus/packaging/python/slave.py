@@ -179,7 +179,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
 
     @classmethod
     def _fmu_state_to_bytes(cls, state: dict[str, Any]) -> bytes:
-        data = _STATE_HEAD.pack(state["running"], state["reached"]) + state["snapshot"]
+        data: bytes = _STATE_HEAD.pack(state["running"], state["reached"]) + state["snapshot"]
         return cls._checksum(data) + data
 
     @classmethod

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-untyped-def, no-untyped-call, call-arg, assignment, index"
 """Kernels translated to C99: the same numbers as Python's, and clear words about what cannot be translated."""
 
 from __future__ import annotations
@@ -29,26 +30,26 @@ LINE = np.array((0.5, -1.5))
 N = 3
 
 
-def _pair(x, y):  # type: ignore[no-untyped-def]
+def _pair(x, y):
     """Return two results."""
     if x > y:
         return x, 1
     return y, 0.5
 
 
-def _mixed(x, n):  # type: ignore[no-untyped-def]
+def _mixed(x, n):
     """Return a tuple of several types."""
     return (x, 2.0 * x), n, n > 1
 
 
-def _fill(target, places, short):  # type: ignore[no-untyped-def]
+def _fill(target, places, short):
     """Write into an array; the name `short` is a word of C."""
     for k in range(len(places)):
         target[places[k]] = short + k
     target[-1] += 1.0
 
 
-def everything(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
+def everything(parameters, derived, state, inputs, outputs, h):
     """Use all that the subset has: tuples, loops, conditions, tables, slices, whole and real numbers."""
     a, b = inputs[AT.first], inputs[AT.second]
     a, b = b, a
@@ -78,7 +79,7 @@ def everything(parameters, derived, state, inputs, outputs, h):  # type: ignore[
     outputs[9] = AT.second + N * math.pi - (a - (b - d)) / (1.0 + a * a)
 
 
-def nothing(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def nothing(parameters, derived, state, inputs, outputs):
     """Do nothing."""
 
 
@@ -120,43 +121,43 @@ def test_the_translation_computes_what_python_computes(
     assert (abs(in_c(list(values), h) - outputs) <= 4e-16 * scale).all()
 
 
-def _text(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _text(parameters, derived, state, inputs, outputs):
     outputs[0] = len("text")
 
 
-def _list(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _list(parameters, derived, state, inputs, outputs):
     outputs[0] = [1.0, 2.0][0]
 
 
-def _other_library(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _other_library(parameters, derived, state, inputs, outputs):
     outputs[0] = np.sum(inputs)
 
 
-def _itself(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _itself(parameters, derived, state, inputs, outputs):
     _itself(parameters, derived, state, inputs, outputs)
 
 
-def _two_types(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _two_types(parameters, derived, state, inputs, outputs):
     x = 1.0
     x = (x, x)
     outputs[0] = x[0]
 
 
-def _over_items(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _over_items(parameters, derived, state, inputs, outputs):
     for x in inputs:
         outputs[0] = x
 
 
-def _real_index(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _real_index(parameters, derived, state, inputs, outputs):
     outputs[inputs[0]] = 1.0
 
 
-def _raises(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _raises(parameters, derived, state, inputs, outputs):
     if inputs[0] < 0.0:
         raise ValueError("negative")
 
 
-def _unknown(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
+def _unknown(parameters, derived, state, inputs, outputs):
     outputs[0] = somewhere_else  # type: ignore[name-defined]  # noqa: F821
 
 
