@@ -48,7 +48,7 @@ def test_fmi3_with_scalars_only_runs_and_is_valid(tmp_path: Path) -> None:
 
 
 def test_scalars_only_belong_to_fmi3() -> None:
-    with pytest.raises(ValueError, match="FMI 2 has no arrays, all is scalars; leave --scalars out"):
+    with pytest.raises(ValueError, match="FMI 2 has no arrays, all is scalars; must be FMI 3 for scalars only"):
         Target("native", 2, (), True)
 
 
