@@ -6,14 +6,26 @@ import ast
 import math
 from collections.abc import Callable
 from types import FunctionType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from .values import ARRAY, NUMBERS, REAL, TRUTH, WHOLE, Type, Value, join, literal, member, name_of, pack, type_of
-
-if TYPE_CHECKING:
-    from .translator import Program
+from .values import (
+    ARRAY,
+    NUMBERS,
+    REAL,
+    TRUTH,
+    WHOLE,
+    Function,
+    Type,
+    Value,
+    join,
+    literal,
+    member,
+    name_of,
+    pack,
+    type_of,
+)
 
 MATHEMATICS = {
     *("acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "fabs", "floor", "fmod", "hypot", "log"),
@@ -36,6 +48,19 @@ PREFIX, COMPARISON, BOTH, EITHER, CHOICE = 8, 5, 4, 3, 2
 
 class TranslationError(ValueError):
     """A kernel holds something that has no translation."""
+
+
+class Program(Protocol):
+    """What an expression needs of the file that it goes into; see `translator.Program`."""
+
+    def function(self, function: FunctionType, arguments: tuple[Type, ...], error: TranslationError) -> Function:
+        """Return a kernel for the types of its arguments."""
+
+    def tuple_type(self, kind: tuple[Type, ...]) -> None:
+        """Define a tuple's type."""
+
+    def constant(self, name: str, value: Any) -> Value:
+        """Return a constant of a module by its name in C."""
 
 
 def label(node: ast.expr) -> str:

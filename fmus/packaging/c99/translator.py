@@ -12,7 +12,6 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import FunctionType
 from typing import Any
 
@@ -20,27 +19,7 @@ import numpy as np
 
 from .expressions import TranslationError, variable
 from .statements import Statements, declarations
-from .values import ARRAY, NOTHING, PRELUDE, REAL, Type, Value, definition, literal, name_of, table, type_of
-
-
-@dataclass(frozen=True)
-class Function:
-    """A kernel in C for certain types of its arguments.
-
-    Attributes
-    ----------
-    name : in C
-    parameters : types of the parameters
-    result : type of what it returns
-    text : its definition
-    calls : the functions that it calls
-    """
-
-    name: str
-    parameters: tuple[Type, ...]
-    result: Type
-    text: str
-    calls: tuple[Function, ...]
+from .values import ARRAY, NOTHING, PRELUDE, REAL, Function, Type, Value, definition, literal, name_of, table, type_of
 
 
 class Program:

@@ -59,6 +59,26 @@ class Value:
         return self.text if self.level >= level else f"({self.text})"
 
 
+@dataclass(frozen=True)
+class Function:
+    """A kernel in C for certain types of its arguments.
+
+    Attributes
+    ----------
+    name : in C
+    parameters : types of the parameters
+    result : type of what it returns
+    text : its definition
+    calls : the functions that it calls
+    """
+
+    name: str
+    parameters: tuple[Type, ...]
+    result: Type
+    text: str
+    calls: tuple[Function, ...]
+
+
 def join(a: Type, b: Type) -> Type | None:
     """Return the type that holds values of both types; None if there is none."""
     if isinstance(a, tuple) and isinstance(b, tuple) and len(a) == len(b):
