@@ -13,7 +13,7 @@ def test_what_can_be_set_has_units_ranges_and_labels_of_modes(native: Path) -> N
     by_name = {v["name"]: v for v in variables}
     ratio = by_name["wheel.damping_ratio_001"]
     assert (ratio["unit"], float(ratio["minimum"])) == ("1", 0.0)
-    assert ratio["description"].startswith("damping ratio of mode 1 (")
+    assert ratio["description"].startswith("damping ratio of mode 1, ")
     assert "wheel.v_lat" not in by_name
     table = _settable(variables, "title")
     names = list(table.columns[0].cells)
