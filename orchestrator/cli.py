@@ -13,6 +13,7 @@ from .commands.build import build
 from .commands.check import check
 from .commands.competition import competition
 from .commands.coupling import coupling
+from .commands.curve import curve
 from .commands.export import export
 from .commands.friction import friction
 from .commands.info import info
@@ -40,7 +41,8 @@ rails = typer.Typer(
 wheels = typer.Typer(help="Wheels: build an FMU from modal data, draw sections and modes.", no_args_is_help=True)
 
 COMMANDS: tuple[Callable[..., None], ...] = (
-    build, run, resume, info, friction, check, export, coupling, stability, table4, listen, report, competition, paper,
+    build, run, resume, info, friction, check, export, coupling, stability, curve, table4, listen, report,
+    competition, paper,
 )  # fmt: skip
 RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.build, rail.regenerate)
 WHEEL_COMMANDS: tuple[Callable[..., None], ...] = (wheel.build, wheel.figures)
