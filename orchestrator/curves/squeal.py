@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from fmus.contact.linearised import LinearContact
 from fmus.contact.parameters import PARAMETERS
 from fmus.curving.bogie import PLACES, Bogie, BogieState, Curve, WheelState
+from fmus.errors import DataError
 from fmus.modal.data import read_modal_data
 from fmus.modal.modes import Modes
 from fmus.rail.component import DATA as RAIL_DATA
@@ -141,7 +142,7 @@ def find_rail(text: str) -> Rail:
     if text == "rigid":
         return Rail(text, None, Modes(np.zeros(0), np.zeros(0), np.zeros((0, 4))))
     if text not in ("analytic", "modal"):
-        raise InputError(f"--track {text}: must be analytic, modal or rigid")
+        raise InputError(f"track {text}: must be analytic, modal or rigid")
     modes = read_modal_data(RAIL_DATA / "rail.toml").modes
     return Rail(text, read_track(TRACKS / "default.toml") if text == "analytic" else None, modes)
 
@@ -204,7 +205,7 @@ def solve(bogie: Bogie, curve: Curve) -> BogieState:
     """Return the bogie's state, a missing one as a mistake of the user's."""
     try:
         return bogie.solve(curve)
-    except ValueError as error:
+    except DataError as error:
         raise InputError(str(error)) from None
 
 
@@ -214,7 +215,7 @@ def _within(parameters: Mapping[str, float], place: str) -> Mapping[str, float]:
     for name, value in parameters.items():
         try:
             limits[name].check(value)
-        except ValueError as error:
+        except DataError as error:
             raise InputError(f"{place.replace('_', ' ')} wheel: {error}") from None
     return parameters
 

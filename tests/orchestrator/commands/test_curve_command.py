@@ -54,7 +54,7 @@ def test_the_table_ends_with_a_sentence() -> None:
             ["--speed", "60", "--cant", "0"],
             "150 m radius: a wheel lifts off its rail; found down to a radius of",
         ),
-        (["--radius", "15"], "--cant must be given: 10 m/s in a curve of 15 m radius would need 1.02 m"),
+        (["--radius", "15"], "cant must be given: 10 m/s in a curve of 15 m radius would need 1.02 m"),
         (["--mu", "7"], "must be in the range"),
         (["--rail", "60e1-1:40"], "needs a wheel's"),
     ],

@@ -100,15 +100,15 @@ def test_stability_rows_of_the_bogie_in_the_curve() -> None:
 def test_mistakes_are_sentences() -> None:
     vehicle = find_vehicle("reference")
     cases = (
-        (lambda: find_vehicle("none"), "--vehicle none: neither reference"),
-        (lambda: find_contact(None, "60e1-1:40", vehicle), "--rail 60e1-1:40: a rail's profile needs a wheel's"),
+        (lambda: find_vehicle("none"), "vehicle none: neither reference"),
+        (lambda: find_contact(None, "60e1-1:40", vehicle), "rail 60e1-1:40: a rail's profile needs a wheel's"),
         (lambda: find_contact("s1002", "60e1", vehicle), "must be a profile and its inclination"),
-        (lambda: find_contact("s1003", None, vehicle), "--profile s1003: neither s1002 nor a file"),
-        (lambda: find_rail("steel"), "--track steel: must be analytic, modal or rigid"),
-        (lambda: make_curve(0.0, 10.0, None, 0.3, vehicle), "--radius 0"),
+        (lambda: find_contact("s1003", None, vehicle), "wheel profile s1003: neither s1002 nor a file"),
+        (lambda: find_rail("steel"), "track steel: must be analytic, modal or rigid"),
+        (lambda: make_curve(0.0, 10.0, None, 0.3, vehicle), "radius 0"),
         (lambda: make_curve(150.0, 10.0, None, 9.0, vehicle), "curve: mu0 = 9"),
         (lambda: find_tread_wheel("class158").at(0.01), "known at the nominal contact point only"),
-        (lambda: find_tread_wheel("nothing"), "--wheel nothing"),
+        (lambda: find_tread_wheel("nothing"), "wheel nothing"),
     )
     for call, words in cases:
         with pytest.raises(InputError, match=words):

@@ -14,9 +14,9 @@ from rich.table import Table
 
 from fmus.curving.bogie import Curve
 
-from ..curves.inputs import find_contact, find_tread_wheel, find_vehicle, make_bogie, make_curve
-from ..curves.squeal import SingingWheel, Tone, find_rail, sing, solve
-from .tools import Json, messages, screen
+from ...curves.inputs import find_contact, find_tread_wheel, find_vehicle, make_bogie, make_curve
+from ...curves.squeal import SingingWheel, Tone, find_rail, sing, solve
+from ..tools import Json, messages, screen
 
 RADIUS = "Radius of the curve [m]; negative in a right curve."
 CANT = "Height of the outer rail above the inner one [m]; default: as much as the speed needs."
@@ -117,8 +117,8 @@ def _table(curve: Curve, wheels: dict[str, SingingWheel]) -> Table:
         table.add_row(escape(heading), *(cell(w) for w in wheels.values()))
     table.add_row("unstable", *("\n".join(_tone(t) for t in w.tones) or "-" for w in wheels.values()))
     table.caption = (
-        "positions to the field side, * beyond the tread: the wheel's modes are extrapolated; unstable: frequency in Hz, "
-        "mode, loop gain, growth rate in 1/s"
+        "positions to the field side, * beyond the tread: the wheel's modes are extrapolated; unstable: frequency in "
+        "Hz, mode, loop gain, growth rate in 1/s"
     )
     table.caption_justify = "left"
     return table
