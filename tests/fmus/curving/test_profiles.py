@@ -90,7 +90,7 @@ def test_reference_bogie_on_real_profiles(tables: dict[int, ContactTable], incli
         w = state.place(1, place)
         more = 2.0 if a is not None and a > 3 * b else 1.0
         assert 1e3 * w.steady_creepage_lon == pytest.approx(g1, abs=0.1 * more)
-        assert 1e3 * w.steady_creepage_lat == pytest.approx(g2, abs=0.03 * more)
+        assert 1e3 * w.steady_creepage_lat == pytest.approx(g2, abs=0.04 * more)
         assert w.steady_creepage_spin == pytest.approx(g6, abs=5e-3)
         assert w.normal_load / 1e3 == pytest.approx(load, abs=0.03 * more)
         assert degrees(w.contact_angle) == pytest.approx(angle, abs=0.1 * more)
