@@ -42,6 +42,7 @@ COMMANDS: Table = {
         "Show what each master algorithm does to the growth rates, mode by mode.",
     ),
     "stability": ("analysis.stability", "Find the unstable frequencies of a case or of a system of FMUs."),
+    "curve": ("analysis.curve", "Find how a bogie runs through a curve, and which of its wheels squeals."),
     "table4": (
         "pages.table4:table4",
         "Print Table 4 of the paper next to ours, cell by cell.",
