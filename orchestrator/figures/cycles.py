@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
+from ..limit_cycles.bifurcations.diagram import Branch
 from ..limit_cycles.catalogue import Catalogue, Cycle
-from ..limit_cycles.diagram import Branch
 from .style import COLOURS, STYLE
 
 SHOWN_DB = 100.0

@@ -80,8 +80,8 @@ def show(found: Catalogue, title: str) -> None:
 def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool], out: Path | None) -> None:
     """Follow all tones that were found through a range of a parameter; print, and draw if a picture is wanted."""
     from ...figures.cycles import draw_branches  # noqa: PLC0415
-    from ...limit_cycles.diagram import branch_as_json, follow  # noqa: PLC0415
-    from ...limit_cycles.parameter import find_parameter  # noqa: PLC0415
+    from ...limit_cycles.bifurcations.diagram import branch_as_json, follow  # noqa: PLC0415
+    from ...limit_cycles.bifurcations.parameter import find_parameter  # noqa: PLC0415
 
     parameter_name, span = parse_range(against)
     parameter = find_parameter(found.model, parameter_name)

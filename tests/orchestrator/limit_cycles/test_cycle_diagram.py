@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 from squeal_models import class158_case, fused_run, start_of, tone_of
 
 from orchestrator.errors import InputError
-from orchestrator.limit_cycles.diagram import Branch, follow
-from orchestrator.limit_cycles.parameter import Parameter, find_parameter
+from orchestrator.limit_cycles.bifurcations.diagram import Branch, follow
+from orchestrator.limit_cycles.bifurcations.parameter import Parameter, find_parameter
 from orchestrator.limit_cycles.tracing import find_poles
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from fmus.contact.parameters import PARAMETERS
 from fmus.modal.modes import Modes
 
-from ..errors import InputError
-from .model import SquealModel
+from ...errors import InputError
+from ..model import SquealModel
 
 FACTOR = "damping_factor"
 """Name of the factor on all damping ratios of a structure."""

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from ..errors import InputError
-from .balance import Balance, State, Truncation
-from .catalogue import Cycle
-from .continuation import Curve, newton, tangent
-from .fate import UNDECIDED
-from .floquet import floquet
-from .measures import motion_of, rms
+from ...errors import InputError
+from ..balance import Balance, State, Truncation
+from ..catalogue import Cycle
+from ..continuation import Curve, newton, tangent
+from ..fate import UNDECIDED
+from ..floquet import floquet
+from ..measures import motion_of, rms
 from .parameter import Parameter
 
 Real = NDArray[np.floating[Any]]
@@ -72,7 +72,7 @@ class Branch:
     @property
     def stable(self) -> NDArray[np.bool_]:
         """Where the cycle lasts."""
-        return self.exponent.real < UNDECIDED
+        return self.exponent.real < -UNDECIDED
 
     def of(self, kind: str) -> list[float]:
         """Return the values of the parameter at the bifurcations of a kind."""
