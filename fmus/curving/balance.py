@@ -29,7 +29,8 @@ def unscale(parameters, derived, unknowns, at):  # type: ignore[no-untyped-def]
     """Put the unknowns, which are in mm, mrad and axle loads, into `derived` in SI units from position `at`."""
     for i in range(N):
         derived[at + i] = 1e-3 * unknowns[i]
-    for axle in (0, PER_AXLE):
+    for i in range(2):
+        axle = i * PER_AXLE
         derived[at + axle + X.load_left] = parameters[P.axle_load] * unknowns[axle + X.load_left]
         derived[at + axle + X.load_right] = parameters[P.axle_load] * unknowns[axle + X.load_right]
 

@@ -83,8 +83,8 @@ def test_reference_bogie_on_real_profiles(tables: dict[int, ContactTable], incli
     """Tolerances: what the softness of the geometry (eps 0.02 against 0.01 mm) moves each of them, as the page says.
 
     The flange's patch moves by a sixth or more with eps and is left out. Three times as much on the trailing axle,
-    whose inner patch is narrow, 7.97 x 1.44 mm: there the other program's coefficients of Kalker, linear between rows, are
-    6 % too high.
+    whose inner patch is narrow, 7.97 x 1.44 mm: there the other program's coefficients of Kalker, linear between
+    rows, are 6 % too high.
     """
     state = solved(balanced(150), tables[inclination])
     for place, (g1, g2, g6, load, angle, s, rail, a, b, k) in PAGE[inclination].items():
