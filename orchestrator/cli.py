@@ -24,6 +24,7 @@ from .commands.run import resume, run
 from .commands.stability import stability
 from .commands.table4 import table4
 from .commands.tools import say
+from .commands.wheel_measured import measured as wheel_measured
 from .errors import InputError, SimulationError
 
 app = typer.Typer(
@@ -51,6 +52,7 @@ for command in RAIL_COMMANDS:
 rails.command("measured")(rail_measured)
 for command in WHEEL_COMMANDS:
     wheels.command()(command)
+wheels.command("measured")(wheel_measured)
 app.add_typer(rails, name="rail")
 app.add_typer(wheels, name="wheel")
 

@@ -85,9 +85,11 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
         for j, d in enumerate(DIRECTIONS)
     ]
     blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
+    labels = (*modes.labels, *("" for _ in range(n - len(modes.labels))))
+    names = [f": {label}" if label else "" for label in labels]
     return tuple(
         Variable(
-            f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}",
+            f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}{names[i]}",
             start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
         )
         for name, unit, text, values, low, high, nominal in blocks

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..interface import DIRECTIONS
+from ..measured.choice import Choice
 from ..measured.noise import LARGEST_NOISE, Averaged, averaged, good_band, relative_noise
 from ..measured.read import read_measured
-from ..measured.selection import Choice, Measured
+from ..measured.selection import Measured
 from ..measured.units import QUANTITIES, TRANSLATIONS
 from ..modal.data import ModalData
 from ..modal.modes import Modes
