@@ -87,7 +87,7 @@ def _fit_group(functions: Functions, size: int, progress: Callable[[str], None])
         fit = richer
         if done:
             break
-    return _refined(functions, fit, 2)
+    return _refined(functions, fit, 3)
 
 
 def _ends(functions: Functions, size: int) -> Fit:

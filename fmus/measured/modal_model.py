@@ -15,6 +15,9 @@ Pair = tuple[int, int]
 LEAST_NOISE = 2e-3
 """Noise below which the data are not weighted further: no modal model is nearer."""
 
+_LEAST_CROSS = 1e-3
+"""A cross function over the geometric mean of its point functions below which it is lost in their noise."""
+
 
 @dataclass(frozen=True)
 class Functions:
@@ -35,8 +38,16 @@ class Functions:
 
     @property
     def weight(self) -> Real:
-        """Return one over the standard deviation of each value, (p, m)."""
-        return np.asarray(1.0 / (np.abs(self.values) * np.maximum(self.noise, LEAST_NOISE)))
+        """Return one over the standard deviation of each value, (p, m).
+
+        A cross function far below its two point functions is no better known than they are.
+        """
+        point = {row: np.abs(v) for (row, column), v in zip(self.pairs, self.values, strict=True) if row == column}
+        size = np.abs(self.values)
+        for i, (row, column) in enumerate(self.pairs):
+            if row in point and column in point:
+                size[i] = np.maximum(size[i], _LEAST_CROSS * np.sqrt(point[row] * point[column]))
+        return np.asarray(1.0 / (size * np.maximum(self.noise, LEAST_NOISE)))
 
     def of(self, directions: list[int]) -> Functions:
         """Return the functions between some directions, which count from 0 then."""

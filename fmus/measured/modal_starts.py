@@ -56,16 +56,21 @@ def started(functions: Functions, values: Complex, natural: Real, size: int) -> 
             lines = slice(max(centre - span // 2, 0), min(centre + span // 2, w.size))
             part = Functions(w[lines], functions.pairs, values[:, lines], functions.noise[:, lines])
             zeta = 0.1 * (part.omega[-1] - part.omega[0]) / start
-            omega, zeta, residue = one_resonance(part.omega, part.values, weight[:, lines], float(start), zeta)
+            near = weight[:, lines]
+            omega, zeta, residue = one_resonance(part.omega, part.values, near, float(start), zeta)
             found = _split(functions, omega, zeta, residue, size)
-            gain = (np.abs(part.values * weight[:, lines]) ** 2).sum()
-            gain -= (np.abs((part.values - found.fitted(part)) * weight[:, lines]) ** 2).sum()
+            gain = _size(part.values * near) - _size((part.values - found.fitted(part)) * near)
             if gain > most:
                 best, most = found, float(gain)
         if best is not None:
             values = values - best.fitted(functions)
             fit = fit.joined(best)
     return fit
+
+
+def _size(values: Complex) -> float:
+    """Return the sum of squares."""
+    return float((np.abs(values) ** 2).sum())
 
 
 def _split(functions: Functions, omega: float, zeta: float, residue: Real, size: int) -> Fit:

@@ -126,11 +126,7 @@ def read_csv(path: Path) -> Modes:
     if not table:
         raise ValueError(f"{path.name}: there are no modes in it")
     values = np.array(table)
-    try:
-        modes = Modes(2 * np.pi * values[:, 0], values[:, 1], values[:, 2:], tuple(labels))
-    except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
-    return _rising(path.name, modes)
+    return _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:], tuple(labels)))
 
 
 def _head(path: Path) -> bytes:
@@ -163,12 +159,9 @@ def _whole(paths: Sequence[Path], parts: Sequence[ContactModes], choice: ModalCh
     diameters = np.concatenate([part.diameters for part in parts])[order]
     zeta = _damped(name, np.concatenate([part.damping_ratio for part in parts])[order], diameters, choice.damping)
     labels = tuple(label for part in parts for label in labelled(part))
-    modes = Modes(
-        2 * np.pi * frequency_hz[order],
-        np.where(frequency_hz[order] == 0, 0.0, zeta),
-        np.concatenate([part.shape for part in parts])[order],
-        tuple(labels[i] for i in order),
-    )
+    shape = np.concatenate([part.shape for part in parts])[order]
+    zeta = np.where(frequency_hz[order] == 0, 0.0, zeta)
+    modes = _modes(name, frequency_hz[order], zeta, shape, tuple(labels[i] for i in order))
     notes = []
     if any(part.spin_from == "none" for part in parts):
         notes.append("spin is neither in the data nor told by nodes near the contact: the wheel is rigid in spin")
@@ -234,6 +227,14 @@ def _damped(name: str, own: Real, diameters: NDArray[np.int64], given: tuple[flo
         raise ValueError(f"{name}: the numbers of nodal diameters are not known; give one damping ratio for all modes")
     by_n = np.array([given[min(max(int(n), 0), len(given) - 1)] for n in diameters])
     return np.where(bare, by_n, own)
+
+
+def _modes(name: str, frequency_hz: Real, zeta: Real, shape: Real, labels: tuple[str, ...]) -> Modes:
+    """Return checked modes; errors name the file."""
+    try:
+        return Modes(2 * np.pi * frequency_hz, zeta, shape, labels)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 def _rising(name: str, modes: Modes) -> Modes:

@@ -124,9 +124,7 @@ def _require_signs(pairs: set[tuple[int, int]]) -> tuple[str, ...]:
     for row, column in ((1, 2), (0, 3)):
         if {row, column} <= points and (row, column) not in pairs:
             a, b = DIRECTIONS[row], DIRECTIONS[column]
-            raise ValueError(
-                f"measurement: {a} due to {b} is missing; without it the sign between {a} and {b} is not known"
-            )
+            raise ValueError(f"measurement: {a} due to {b} is missing; it has the sign between {a} and {b}")
     notes = []
     rigid = [d for j, d in enumerate(DIRECTIONS) if j not in points]
     if rigid:

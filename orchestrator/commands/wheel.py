@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 def build(  # noqa: PLR0913, PLR0917 - one argument per option
     files: Annotated[
         list[str],
-        typer.Argument(
-            metavar="FILE...", help="class158, or modal data: CSV, TOML, UFF, .frd (several for the parts)."
-        ),
+        typer.Argument(metavar="FILE...", help="class158, or modal data: CSV, TOML, UFF, .frd (one for each part)."),
     ],
     node: Annotated[int | None, typer.Option(help="Number of the node at the contact.")] = None,
     axis: Axis = None,

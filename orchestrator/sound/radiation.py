@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.modal.parameters import block_of, modal_velocities
 from fmus.wheel.class158 import class158
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
 from ..errors import InputError
-from ..results.columns import MODAL_VELOCITIES, columns
+from ..results.columns import MODAL_VELOCITIES
 from ..signals.spectra import a_weighted, level, narrow_band, third_octaves, total
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -147,7 +148,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     InputError
         If no wheelset fits.
     """
-    count = len(columns("wheel", list(data.data_vars)))
+    count = len(modal_velocities("wheel", data.data_vars))
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
@@ -192,7 +193,7 @@ def _named(wheel: str) -> Wheelset:
 def _block(data: xr.Dataset, block: str) -> Real:
     """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
     values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
-    return np.array([values[name] for name in sorted(values) if name.startswith(f"{block}_")], dtype=float)
+    return block_of(block, values)
 
 
 def _source(data: xr.Dataset) -> str:
@@ -209,7 +210,7 @@ def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
     """
     import xarray as xr  # noqa: PLC0415
 
-    names = columns("wheel", list(data.data_vars))
+    names = modal_velocities("wheel", data.data_vars)
     return xr.concat([narrow_band(data[name].rename("modal_velocity"), resolution_hz) for name in names], dim="mode")
 
 

@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...component import Component
 from ...interface import DEFAULT_STEP
+from ...modal.layout import DAMPING_RATIO
 from .arrays import Array, arrays
 from .common import identify, log_categories, roles, type_attributes, unit_definitions
 
@@ -58,7 +59,7 @@ def _variable(reference: int, group: Array) -> Element:
     attributes = {
         "name": group.name,
         "valueReference": str(reference),
-        "description": text if group.is_scalar else text.rsplit(" of mode ", 1)[0] + ", one value per mode",
+        "description": text if group.is_scalar else _of_all(group),
         **roles(variable),
         **type_attributes(variable),
     }
@@ -68,6 +69,13 @@ def _variable(reference: int, group: Array) -> Element:
     if not group.is_scalar:
         SubElement(element, "Dimension", start=str(len(group.variables)))
     return element
+
+
+def _of_all(group: Array) -> str:
+    """Return the description of an array; that of the damping ratios has the labels of the modes."""
+    text = group.variables[0].description.rsplit(" of mode ", 1)[0] + ", one value per mode"
+    labels = [variable.description.partition(": ")[2] for variable in group.variables]
+    return f"{text}: {'; '.join(labels)}" if group.name == DAMPING_RATIO and any(labels) else text
 
 
 def _model_structure(root: Element, groups: list[Array]) -> None:

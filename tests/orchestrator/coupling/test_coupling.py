@@ -10,14 +10,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from coupled import Coupled, linear_contact, modes_of, output, rail_of, wheel
+from coupled import Coupled, linear_contact, modes_of, output, rail_of, scheme_error, wheel
 from numpy.typing import NDArray
 
 from fmus.contact.component import contact
 from fmus.contact.layout import S
 from fmus.wheel.wheelset import DATA, read_wheelset
-from orchestrator.stability.poles import Poles, closed_loop_matrix, closed_loop_poles
-from orchestrator.stability.step_map import scheme_error, step_map
+from orchestrator.stability.poles import Poles, closed_loop_matrix, exact_poles
+from orchestrator.stability.step_map import step_map
 
 CASES = (1, 2, 3, 4)
 WHEEL = modes_of(wheel())
@@ -29,7 +29,7 @@ def parts(case: int) -> tuple[object, object, object]:
 
 
 def poles(case: int, **parameters: float) -> Poles:
-    return closed_loop_poles(WHEEL, modes_of(rail_of(case)), linear_contact(case, **parameters))
+    return exact_poles(WHEEL, modes_of(rail_of(case)), linear_contact(case, **parameters))
 
 
 def eigenvector(
