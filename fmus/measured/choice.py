@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from .units import QUANTITIES
 
@@ -35,12 +36,12 @@ class Choice:
     def __post_init__(self) -> None:
         """Check what can be checked without a file."""
         if self.quantity is not None and self.quantity not in QUANTITIES:
-            raise ValueError(f"quantity is {self.quantity!r}; must be one of {', '.join(QUANTITIES)}")
+            raise DataError(f"quantity is {self.quantity!r}; must be one of {', '.join(QUANTITIES)}")
         twice = [d for d in self.axes.values() if list(self.axes.values()).count(d) > 1]
         if twice:
-            raise ValueError(f"axes: two codes are {twice[0]}; must be one")
+            raise DataError(f"axes: two codes are {twice[0]}; must be one")
         if self.start_hz is not None and self.stop_hz is not None and not self.start_hz < self.stop_hz:
-            raise ValueError(f"band from {self.start_hz:g} to {self.stop_hz:g} Hz; must increase")
+            raise DataError(f"band from {self.start_hz:g} to {self.stop_hz:g} Hz; must increase")
 
     def direction(self, code: int | str) -> tuple[str, float] | None:
         """Return direction and sign of a code, None for a code that is not used.
@@ -67,10 +68,10 @@ def read_axes(texts: Sequence[str]) -> dict[int, str]:
     for text in texts:
         code, _, direction = text.partition("=")
         if not code.lstrip("+-").isdigit() or not 1 <= abs(int(code)) <= 6 or direction not in DIRECTIONS:
-            raise ValueError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
+            raise DataError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
         if int(code) in axes or -int(code) in axes:
-            raise ValueError(f"axis {text}: axis {abs(int(code))} is given twice")
+            raise DataError(f"axis {text}: axis {abs(int(code))} is given twice")
         if (abs(int(code)) > 3) != (direction == "spin"):
-            raise ValueError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
+            raise DataError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
         axes[int(code)] = direction
     return axes

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import DataError
 from .function import Real
 from .nodal import NodalModes
 from .tables import read_text
@@ -28,16 +29,16 @@ def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
 
     Raises
     ------
-    ValueError
+    DataError
         For a file without modes, in a binary form, or cut off, with its line.
     """
     if units is None:
-        raise ValueError(f"{path.name}: does not say its units; give them with the option units, such as m,N or mm,N")
+        raise DataError(f"{path.name}: does not say its units; give them with the option units, such as m,N or mm,N")
     reader = _Reader(path.name)
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         reader.take(line, number)
     if reader.block:
-        raise ValueError(f"{path.name}: ends within a block of {reader.block}; the file is cut off")
+        raise DataError(f"{path.name}: ends within a block of {reader.block}; the file is cut off")
     return _modes(path, reader.position, reader.modes, units)
 
 
@@ -85,7 +86,7 @@ class _Reader:
 def _ascii(block: str, line: str, where: str) -> str:
     """Return the name of a block whose format, the last number of its line, is text."""
     if line.rstrip()[-1:] in {"2", "3"}:
-        raise ValueError(f"{where}: the block is binary; write the results as text (*NODE FILE, not OUTPUT=BINARY)")
+        raise DataError(f"{where}: the block is binary; write the results as text (*NODE FILE, not OUTPUT=BINARY)")
     return block
 
 
@@ -95,7 +96,7 @@ def _values(line: str, where: str) -> tuple[int, Real]:
     try:
         return int(line[3:start]), np.array([float(line[start + 12 * i : start + 12 * (i + 1)]) for i in range(3)])
     except ValueError:
-        raise ValueError(f"{where}: must be a node and three numbers; got {line.strip()!r}") from None
+        raise DataError(f"{where}: must be a node and three numbers; got {line.strip()!r}") from None
 
 
 def _modes(
@@ -103,13 +104,13 @@ def _modes(
 ) -> NodalModes:
     """Return the modes over the nodes that all of them have, in SI."""
     if not modes:
-        raise ValueError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
+        raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
     nodes = sorted(modes[0][2])
     for i, (_, mass, values) in enumerate(modes, start=1):
         if sorted(values) != nodes:
-            raise ValueError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
+            raise DataError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
         if not mass > 0:
-            raise ValueError(f"{path.name}, mode {i}: generalised mass is {mass:g}; must be > 0")
+            raise DataError(f"{path.name}, mode {i}: generalised mass is {mass:g}; must be > 0")
     kilograms = units.length / units.force  # in the deck's unit of mass
     shape = np.array([[values[node] / np.sqrt(mass * kilograms) for node in nodes] for _, mass, values in modes])
     return NodalModes(

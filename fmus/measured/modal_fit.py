@@ -15,16 +15,17 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from threadpoolctl import threadpool_limits
 
+from ..errors import DataError
 from .function import Real
 from .modal_model import Fit, Functions, Pair
-from .modal_starts import LEAST_EFFECT, missed, peaks, started
+from .modal_starts import LEAST_EFFECT, MOST_NEW, missed, peaks, started
 from .resonance import modal
 
 _BELOW, _ABOVE = 0.1, 2.5
 """Poles for all that lies below and above the band, in ends of the band."""
 
 _LN_ZETA = (np.log(1e-6), np.log(0.5))
-_ROUNDS = 12
+_ROUNDS = 25
 _AT_ONCE = 6
 """Modes that are fitted at one time, with their neighbours held."""
 
@@ -74,20 +75,22 @@ def _fit_group(functions: Functions, size: int, progress: Callable[[str], None])
     ends = _ends(functions, size)
     fit = ends.joined(started(functions, functions.values, peaks(functions), size))
     if fit.inside.sum() == 0:
-        raise ValueError("no resonance in the data; a wheel has some")
-    fit = _refined(functions, fit, 3)
+        raise DataError("no resonance in the data; a wheel has some")
+    fit = _refined(functions, fit, 4)
+    in_vain = 0
     for _ in range(_ROUNDS):
         progress(f"{int(fit.inside.sum())} modes")
         left = functions.values - fit.fitted(functions)
-        new = started(functions, left, missed(functions, fit), size)
+        new = started(functions, left, missed(functions, fit), size, MOST_NEW)
         if not new.omega.size:
             break
-        richer = _effective(functions, _refined(functions, fit.joined(new), 2))
-        done = _cost(functions, richer) > 0.995 * _cost(functions, fit)
-        fit = richer
-        if done:
+        richer = _effective(functions, _refined(functions, fit.joined(new), 4))
+        cost, before = _cost(functions, richer), _cost(functions, fit)
+        in_vain = in_vain + 1 if cost > 0.99 * before else 0
+        fit = richer if cost < before else fit
+        if in_vain == 3:
             break
-    return _refined(functions, fit, 3)
+    return _refined(functions, fit, 8)
 
 
 def _ends(functions: Functions, size: int) -> Fit:
@@ -107,20 +110,23 @@ def _ends(functions: Functions, size: int) -> Fit:
 
 
 def _cost(functions: Functions, fit: Fit) -> float:
-    """Return the sum of squares of the rest, of values beyond five standard deviations no more than at five."""
-    return float((np.minimum(np.abs(fit.rest(functions)), 5.0) ** 2).sum())
+    """Return a sum over the rest in which a line far off counts little more than one a little off."""
+    return float(np.log1p(np.abs(fit.rest(functions)) ** 2).sum())
 
 
 def _refined(functions: Functions, fit: Fit, sweeps: int) -> Fit:
     """Return the modes after fitting all again, few at a time, and the ends."""
+    cost = np.inf
     for _ in range(sweeps):
         fit = _with_ends_fitted(functions, fit)
         inside = np.flatnonzero(fit.inside)
         for start in range(0, inside.size, _AT_ONCE // 2):
             chunk = inside[start : start + _AT_ONCE]
             fit = _fitted(functions.on(_lines(functions.omega, fit, chunk)), fit, chunk)
-        order = np.argsort(fit.omega, kind="stable")
-        fit = fit.keep(order)
+        fit = fit.keep(np.argsort(fit.omega, kind="stable"))
+        before, cost = cost, _cost(functions, fit)
+        if cost > 0.997 * before:
+            break
     return fit
 
 

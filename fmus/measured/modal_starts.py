@@ -19,8 +19,8 @@ _ABOVE_CHANCE = 1.6
 _SPANS = (40, 160, 640)
 """Lines that a mode is looked for in: sharp ones need few, broad ones many."""
 
-_MOST_NEW = 12
-"""Modes that one look finds."""
+MOST_NEW = 12
+"""Modes that one look at the rest finds."""
 
 
 def peaks(functions: Functions) -> Real:
@@ -42,15 +42,17 @@ def missed(functions: Functions, fit: Fit) -> Real:
         size = np.sqrt(uniform_filter1d(square, lines // 4 + 1))
         peaks, _ = find_peaks(size, height=1 + (_ABOVE_CHANCE - 1) * (_SPANS[0] / lines) ** 0.5, distance=lines // 2)
         found += [(float(size[i]), float(functions.omega[i])) for i in peaks]
-    return np.array([omega for _, omega in sorted(found, reverse=True)[:_MOST_NEW]])
+    return np.array([omega for _, omega in sorted(found, reverse=True)[: 10 * MOST_NEW]])
 
 
-def started(functions: Functions, values: Complex, natural: Real, size: int) -> Fit:
+def started(functions: Functions, values: Complex, natural: Real, size: int, most: int = 1000) -> Fit:
     """Return modes near the given frequencies, each from as many lines around it as explain most."""
     w, weight = functions.omega, functions.weight
     fit = Fit(np.zeros(0), np.zeros(0), np.zeros((0, size)), np.zeros(0, dtype=bool))
     for start in natural:
-        best, most = None, LEAST_EFFECT
+        if fit.omega.size >= most:
+            break
+        best, largest = None, LEAST_EFFECT
         centre = int(np.searchsorted(w, start))
         for span in _SPANS:
             lines = slice(max(centre - span // 2, 0), min(centre + span // 2, w.size))
@@ -60,8 +62,8 @@ def started(functions: Functions, values: Complex, natural: Real, size: int) -> 
             omega, zeta, residue = one_resonance(part.omega, part.values, near, float(start), zeta)
             found = _split(functions, omega, zeta, residue, size)
             gain = _size(part.values * near) - _size((part.values - found.fitted(part)) * near)
-            if gain > most:
-                best, most = found, float(gain)
+            if gain > largest:
+                best, largest = found, float(gain)
         if best is not None:
             values = values - best.fitted(functions)
             fit = fit.joined(best)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
 from .function import Real, code_name
 
 RIGID_HZ = 1.0
@@ -128,7 +129,7 @@ def complete_axes(axes: Mapping[int, str], where: str) -> dict[int, str]:
 
     Raises
     ------
-    ValueError
+    DataError
         If a direction is missing, or lon, lat, ver are left-handed, so that a sign is wrong.
 
     Examples
@@ -139,13 +140,13 @@ def complete_axes(axes: Mapping[int, str], where: str) -> dict[int, str]:
     signed = {direction: code for code, direction in axes.items()}
     missing = [d for d in ("lon", "lat", "ver") if d not in signed]
     if missing:
-        raise ValueError(
+        raise DataError(
             f"{where}: mode shapes have signs, so each direction needs its axis; {missing[0]} is missing: give the "
             "option axis, such as 1=lon, -2=lat, -3=ver"
         )
     if np.linalg.det(_frame(signed)) < 0:
         said = ", ".join(f"{d} = {code_name(signed[d])}" for d in ("lon", "lat", "ver"))
-        raise ValueError(f"{where}: axes {said} are left-handed; one sign is wrong")
+        raise DataError(f"{where}: axes {said} are left-handed; one sign is wrong")
     ver = signed["ver"]
     return {**axes, signed.get("spin", ver + 3 if ver > 0 else ver - 3): "spin"}
 
@@ -163,10 +164,10 @@ def _place(modes: NodalModes, node: int | None) -> int:
     if node is None and modes.nodes.size == 1:
         return 0
     if node is None:
-        raise ValueError(f"{modes.where}: has {modes.nodes.size} nodes; say which is the contact (option node)")
+        raise DataError(f"{modes.where}: has {modes.nodes.size} nodes; say which is the contact (option node)")
     found = np.flatnonzero(modes.nodes == node)
     if not found.size:
-        raise ValueError(f"{modes.where}: node {node} is not in it; has {modes.nodes.min()} to {modes.nodes.max()}")
+        raise DataError(f"{modes.where}: node {node} is not in it; has {modes.nodes.min()} to {modes.nodes.max()}")
     return int(found[0])
 
 
@@ -174,7 +175,7 @@ def _column(modes: NodalModes, place: int, code: int) -> Real:
     """Return the motion at a node along a signed axis, (n,)."""
     values: Real = modes.shape[:, place, abs(code) - 1] * np.sign(code)
     if not np.isfinite(values).all():
-        raise ValueError(f"{modes.where}: the data have no {code_name(abs(code))} at node {modes.nodes[place]}")
+        raise DataError(f"{modes.where}: the data have no {code_name(abs(code))} at node {modes.nodes[place]}")
     return values
 
 
@@ -218,14 +219,14 @@ def _extent(modes: NodalModes, node: int, frame: Real, translation: Real) -> Ext
         elif np.abs(translation[:, 1:]).max() <= _FLAT * largest:
             circle = "sine"
         else:
-            raise ValueError(
+            raise DataError(
                 f"{modes.where}: is half a circle, but at node {node} no direction is held by its plane; the contact "
                 "must lie in the plane"
             )
     if min(abs(lat.min()), abs(lat.max())) < 1e-3 * size < np.ptp(lat):
         rigid = translation[modes.frequency_hz < RIGID_HZ]
         if not rigid.size:
-            raise ValueError(
+            raise DataError(
                 f"{modes.where}: is half a wheelset without rigid motion, so the condition at mid-axle is not known; "
                 "the model must be free"
             )

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import DataError
 from .function import Real
 from .nodal import NodalModes
 from .units import UnitSystem
@@ -37,16 +38,16 @@ def read_universal_modes(path: Path, units: UnitSystem | None) -> NodalModes:
     sets = read_data_sets(path, (15, 55, 164, 2411, 2414))
     system = unit_system(sets)
     if system is not None and units is not None and (system.length, system.force) != (units.length, units.force):
-        raise ValueError(f"{path.name}: {system.source} has other units than the option units")
+        raise DataError(f"{path.name}: {system.source} has other units than the option units")
     system = system or units
     if system is None:
-        raise ValueError(
+        raise DataError(
             f"{path.name}: has no data set 164 (units); give them with the option units, such as m,N or mm,N"
         )
     modes = [_mode_55(d) if d.kind == 55 else _mode_2414(d) for d in sets if d.kind in (55, 2414)]
     if not modes:
         held = ", ".join(sorted({str(d.kind) for d in sets}))
-        raise ValueError(f"{path.name}: there is no data set 55 or 2414 in it; holds data sets {held}")
+        raise DataError(f"{path.name}: there is no data set 55 or 2414 in it; holds data sets {held}")
     position: dict[int, Real] = {}
     for data in (d for d in sets if d.kind in (15, 2411)):
         c = data.content
@@ -60,9 +61,9 @@ def _in_si(path: Path, modes: list[_Mode], position: dict[int, Real], units: Uni
     nodes = sorted(modes[0].values)
     for i, mode in enumerate(modes, start=1):
         if sorted(mode.values) != nodes:
-            raise ValueError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
+            raise DataError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
         if not mode.mass > 0:
-            raise ValueError(f"{path.name}, mode {i}: modal mass is {mode.mass:g}; must be > 0")
+            raise DataError(f"{path.name}, mode {i}: modal mass is {mode.mass:g}; must be > 0")
     kilograms = units.length / units.force
     size = max(len(values) for mode in modes for values in mode.values.values())
     shape = np.full((len(modes), len(nodes), size), np.nan)
@@ -99,7 +100,7 @@ def _mode_2414(data: DataSet) -> _Mode:
     """Return the mode of a data set 2414: frequency, mass and damping stand in its twelfth record."""
     c: dict[str, Any] = data.content
     if int(c["dataset_location"]) != 1:
-        raise ValueError(f"{data.where}: its data are not at nodes (location {c['dataset_location']}); must be 1")
+        raise DataError(f"{data.where}: its data are not at nodes (location {c['dataset_location']}); must be 1")
     _require_normal(data, c["analysis_type"], c["result_type"], int(c["data_type"]) not in _REAL)
     damping = float(c["record12_field5"]) + float(c["record12_field6"]) / 2
     values = {int(n): np.asarray(v, dtype=float) for n, v in zip(c["node_nums"], c["data_at_node"], strict=True)}
@@ -110,6 +111,6 @@ def _mode_2414(data: DataSet) -> _Mode:
 def _require_normal(data: DataSet, analysis: Any, kind: Any, is_complex: bool) -> None:
     """Raise ValueError for anything but a real normal mode of displacements."""
     if int(analysis) != _NORMAL_MODE or is_complex:
-        raise ValueError(f"{data.where}: analysis type is {analysis}; must be 2, a real normal mode")
+        raise DataError(f"{data.where}: analysis type is {analysis}; must be 2, a real normal mode")
     if int(kind) != _DISPLACEMENT:
-        raise ValueError(f"{data.where}: data type is {kind}; must be 8, displacement")
+        raise DataError(f"{data.where}: data type is {kind}; must be 8, displacement")

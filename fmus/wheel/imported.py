@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from ..measured.frd import is_frd, read_frd
 from ..measured.nodal import ContactModes, Extent, at_contact, complete_axes
@@ -93,7 +94,7 @@ def read_modes(files: Path | Sequence[Path], choice: ModalChoice | None = None) 
 
     Raises
     ------
-    ValueError
+    DataError
         For what cannot be read, or parts that do not make a whole: says which are missing.
     """
     chosen = choice or ModalChoice()
@@ -114,24 +115,24 @@ def read_csv(path: Path) -> Modes:
     names = [header.name for header in headers]
     missing = [c for c in CSV_COLUMNS if c not in names]
     if missing:
-        raise ValueError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
+        raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
     table, labels = [], []
     for line, texts in rows:
         row = dict(zip(names, texts, strict=False))
         try:
             table.append([float(row[c]) for c in CSV_COLUMNS[1:]])
         except (KeyError, ValueError):
-            raise ValueError(f"{path.name}, line {line}: every column but label must be a number") from None
+            raise DataError(f"{path.name}, line {line}: every column but label must be a number") from None
         labels.append(row["label"])
     if not table:
-        raise ValueError(f"{path.name}: there are no modes in it")
+        raise DataError(f"{path.name}: there are no modes in it")
     values = np.array(table)
     return _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:], tuple(labels)))
 
 
 def _head(path: Path) -> bytes:
     if not path.is_file():
-        raise ValueError(f"{path}: no such file")
+        raise DataError(f"{path}: no such file")
     with path.open("rb") as file:
         return file.read(4096)
 
@@ -144,7 +145,7 @@ def _part(path: Path, head: bytes, choice: ModalChoice) -> ContactModes:
     elif is_universal(head):
         nodal = read_universal_modes(path, units)
     else:
-        raise ValueError(f"{path.name}: only universal files and .frd can be parts of one wheelset")
+        raise DataError(f"{path.name}: only universal files and .frd can be parts of one wheelset")
     return at_contact(nodal, choice.node, complete_axes(choice.axes, path.name))
 
 
@@ -153,7 +154,7 @@ def _whole(paths: Sequence[Path], parts: Sequence[ContactModes], choice: ModalCh
     name = ", ".join(path.name for path in paths)
     missing = missing_parts([part.extent for part in parts])
     if missing:
-        raise ValueError(f"{name}: {missing}")
+        raise DataError(f"{name}: {missing}")
     frequency_hz = np.concatenate([part.frequency_hz for part in parts])
     order = np.argsort(frequency_hz, kind="stable")
     diameters = np.concatenate([part.diameters for part in parts])[order]
@@ -220,11 +221,11 @@ def _damped(name: str, own: Real, diameters: NDArray[np.int64], given: tuple[flo
     if not bare.any():
         return own
     if not given:
-        raise ValueError(
+        raise DataError(
             f"{name}: has no damping; give it with the option damping: one ratio, or those of n = 0, 1, 2 ..."
         )
     if len(given) > 1 and (diameters[bare] < 0).any():
-        raise ValueError(f"{name}: the numbers of nodal diameters are not known; give one damping ratio for all modes")
+        raise DataError(f"{name}: the numbers of nodal diameters are not known; give one damping ratio for all modes")
     by_n = np.array([given[min(max(int(n), 0), len(given) - 1)] for n in diameters])
     return np.where(bare, by_n, own)
 
@@ -234,7 +235,7 @@ def _modes(name: str, frequency_hz: Real, zeta: Real, shape: Real, labels: tuple
     try:
         return Modes(2 * np.pi * frequency_hz, zeta, shape, labels)
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+        raise DataError(f"{name}: {error}") from None
 
 
 def _rising(name: str, modes: Modes) -> Modes:
@@ -242,7 +243,7 @@ def _rising(name: str, modes: Modes) -> Modes:
     falls = np.flatnonzero(np.diff(modes.omega) < 0)
     if falls.size:
         first, second = modes.omega[falls[0] : falls[0] + 2] / (2 * np.pi)
-        raise ValueError(f"{name}: mode {falls[0] + 2} has {second:g} Hz after {first:g} Hz; must be in rising order")
+        raise DataError(f"{name}: mode {falls[0] + 2} has {second:g} Hz after {first:g} Hz; must be in rising order")
     return modes
 
 
@@ -250,5 +251,5 @@ def _complete(name: str, modes: Modes, wanted: Sequence[str] = DIRECTIONS) -> Mo
     """Return the modes if every wanted direction moves in one of them."""
     for j, direction in enumerate(DIRECTIONS):
         if direction in wanted and not modes.shape[:, j].any():
-            raise ValueError(f"{name}: direction {direction} is missing: no mode moves in it")
+            raise DataError(f"{name}: direction {direction} is missing: no mode moves in it")
     return modes

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from ..measured.choice import Choice
 from ..measured.modal_fit import fit_functions
@@ -57,7 +58,7 @@ def wheel_from_frf(
 
     Raises
     ------
-    ValueError
+    DataError
         If a cross function is missing whose sign matters: lat and ver, or lon and spin, without their cross function.
     """
     f = np.asarray(frequency_hz, dtype=float)
@@ -80,7 +81,7 @@ def wheel_from_files(
     for file in files:
         found = read_measured(file, chosen)
         if not chosen.axes and any(m.response != m.reference and ":" in str(m.used["point"]) for m in found):
-            raise ValueError(
+            raise DataError(
                 f"{file.name}: holds cross functions, whose signs depend on the axes: give the option axis, such as "
                 "1=lon, -2=lat, -3=ver"
             )
@@ -94,9 +95,9 @@ def fit_wheel(parts: Sequence[Measured], progress: Callable[[str], None] = lambd
     for measured in parts:
         row, column = sorted((DIRECTIONS.index(measured.response), DIRECTIONS.index(measured.reference)))
         if (row, column) in by_pair:
-            raise ValueError(f"{measured.used['set']}: a second function of {measured.words}; must be one")
+            raise DataError(f"{measured.used['set']}: a second function of {measured.words}; must be one")
         if not np.array_equal(measured.frequency_hz, parts[0].frequency_hz):
-            raise ValueError(
+            raise DataError(
                 f"{measured.used['set']}: {measured.words} has other frequencies than the first; must agree"
             )
         by_pair[row, column] = measured
@@ -120,11 +121,11 @@ def _require_signs(pairs: set[tuple[int, int]]) -> tuple[str, ...]:
     for row, column in sorted(pairs):
         for j in (row, column):
             if j not in points:
-                raise ValueError(f"measurement: {DIRECTIONS[j]} has no point function; must be measured, too")
+                raise DataError(f"measurement: {DIRECTIONS[j]} has no point function; must be measured, too")
     for row, column in ((1, 2), (0, 3)):
         if {row, column} <= points and (row, column) not in pairs:
             a, b = DIRECTIONS[row], DIRECTIONS[column]
-            raise ValueError(f"measurement: {a} due to {b} is missing; it has the sign between {a} and {b}")
+            raise DataError(f"measurement: {a} due to {b} is missing; it has the sign between {a} and {b}")
     notes = []
     rigid = [d for j, d in enumerate(DIRECTIONS) if j not in points]
     if rigid:

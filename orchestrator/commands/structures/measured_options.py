@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .tools import screen
+from ..tools import screen
 
 if TYPE_CHECKING:
     from fmus.measured.choice import Choice

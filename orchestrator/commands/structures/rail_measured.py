@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
 from .rail import write_rail
-from .tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 
 if TYPE_CHECKING:
     from fmus.rail.measured import RailFit

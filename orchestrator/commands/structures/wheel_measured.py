@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from ..tools import Force, Json, messages, notice, require_free, require_suffix, screen, user_mistakes
 from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
-from .tools import Force, Json, messages, notice, require_free, require_suffix, screen, user_mistakes
 from .wheel import write_wheel
 
 if TYPE_CHECKING:
