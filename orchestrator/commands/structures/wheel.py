@@ -55,6 +55,14 @@ def build(  # noqa: PLR0913, PLR0917 - one argument per option
     screen.print(f"{out}  ({len(read.modes)} modes)", highlight=False)
 
 
+def read_wheel(text: str) -> Modes:
+    """Return the modes of class158 or of a CSV or TOML file."""
+    from fmus.wheel.class158 import class158  # noqa: PLC0415
+    from fmus.wheel.imported import read_modes  # noqa: PLC0415
+
+    return class158().modes if text == "class158" else read_modes(Path(text)).modes
+
+
 def write_wheel(modes: Modes, path: Path, title: str, source: str) -> None:
     """Write a wheel as an FMU or as modal data, by the suffix."""
     from fmus.modal.component import structure  # noqa: PLC0415
