@@ -73,10 +73,11 @@ def damping_values(
 def labels_of(fmu: Fmu) -> list[str]:
     """Return the labels of an FMU's modes, which stand in the descriptions of its damping ratios."""
     names = names_of(DAMPING_RATIO, fmu.variables)
-    texts = [str(fmu.variables[name].description or "").partition(": ")[2] for name in names.values()]
-    if len(set(texts)) == 1 and ";" in texts[0]:  # an array has one description
-        return [text.strip() for text in texts[0].split(";")]
-    return texts
+    texts = [str(fmu.variables[name].description or "") for name in names.values()]
+    array = {text.partition("one value per mode: ")[2] for text in texts}
+    if len(array) == 1 and (labels := array.pop()):
+        return labels.split("; ")
+    return [text.partition(" of mode ")[2].partition(", ")[2] for text in texts]
 
 
 def rail_named(text: str) -> Path:

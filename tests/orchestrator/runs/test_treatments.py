@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from fmus.modal.component import structure
+from fmus.packaging.build import build_fmu
+from fmus.packaging.target import default_target
 from fmus.rail.track_data import TRACKS
+from fmus.wheel.class158 import class158
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.runs import treatments
@@ -18,7 +23,16 @@ def test_labels_stand_in_the_descriptions() -> None:
     fmu = open_fmu(find_system("case1").elements["wheel"].source)
     labels = labels_of(fmu)
     assert "(3,0) cosine" in labels
-    assert fmu.variables["damping_ratio_001"].description == f"damping ratio of mode 1: {labels[0]}"
+    assert fmu.variables["damping_ratio_001"].description == f"damping ratio of mode 1, {labels[0]}"
+
+
+def test_an_array_has_the_labels_of_its_modes(tmp_path: Path) -> None:
+    """The same labels from an FMU of FMI 3.0, whose damping ratios are one array."""
+    target = replace(default_target(), fmi=3)
+    fmu = tmp_path / "wheel.fmu"
+    modes = class158().modes
+    build_fmu(structure("wheel", "a wheel", modes), fmu, target)
+    assert labels_of(open_fmu(fmu)) == list(modes.labels)
 
 
 def test_rules_become_damping_ratios() -> None:
