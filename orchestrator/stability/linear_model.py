@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +43,7 @@ class LinearModel:
     contact : linearised at its steady state
     displacements : whether the contact takes displacements; else it integrates velocities
     identified : names of the components that show no modes
+    law : all parameters of the running contact
     """
 
     wheel: Structure
@@ -50,6 +51,7 @@ class LinearModel:
     contact: LinearContact
     displacements: bool = True
     identified: tuple[str, ...] = ()
+    law: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def poles(self) -> Poles:
@@ -103,7 +105,7 @@ def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
     shown = {s: _shown(names[s], values[s]) if s in plain else None for s in STRUCTURES}
     hidden = tuple(names[s] for s, modes in shown.items() if modes is None)
     wheel, rail = (modes if modes is not None else _identified(assembly, names[s], step) for s, modes in shown.items())
-    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden)
+    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden, law)
 
 
 def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:
