@@ -21,6 +21,8 @@ from fmus.interface import DIRECTIONS
 from . import master, report_commands, running
 from .algorithms import ALGORITHMS
 from .command_tools import Json, Replace, Seed, Values
+from .commands.map import map_
+from .commands.sweep import sweep
 from .competition_commands import competition
 from .coupling_commands import coupling
 from .errors import InputError, SimulationError
@@ -277,6 +279,8 @@ app.command()(table4)
 app.command()(listen)
 app.command()(report_commands.report)
 app.command()(competition)
+app.command()(sweep)
+app.command("map")(map_)
 app.command()(paper)
 
 

@@ -1,0 +1,92 @@
+"""Where a campaign runs: processes of this machine, or any Dask scheduler by its address; a connected client out."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import dask
+from distributed import Client, LocalCluster, Worker, WorkerPlugin
+
+from ..errors import InputError
+from ..runs.identity import versions
+from .prepared import keep
+
+PATIENCE = 30.0
+"""Time in which a scheduler answers and a first worker comes [s]."""
+
+
+class FmuContents(WorkerPlugin):  # type: ignore[misc]
+    """What every worker gets, those that come later too: the FMUs of a campaign, by checksum."""
+
+    def __init__(self, name: str, contents: Mapping[str, bytes]) -> None:
+        self.name = name
+        self.contents = dict(contents)
+
+    def setup(self, worker: Worker) -> None:
+        """Write what this machine does not have yet."""
+        keep(self.contents)
+
+
+@contextmanager
+def local(workers: int) -> Iterator[Client]:
+    """Start worker processes on this machine, one thread each; an FMU has a process that no other run disturbs."""
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    settings = {
+        "distributed.scheduler.allowed-failures": 0,
+        "distributed.comm.timeouts.connect": f"{PATIENCE:g}s",
+        "distributed.worker.profile.enabled": False,
+    }
+    with (
+        dask.config.set(settings),
+        LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL, memory_limit=0,
+        ) as cluster,
+        Client(cluster) as client,
+    ):  # fmt: skip
+        yield client
+
+
+@contextmanager
+def remote(address: str, patience: float = PATIENCE) -> Iterator[Client]:
+    """Connect to a scheduler.
+
+    Raises
+    ------
+    InputError
+        If it is not there, has no workers, or runs other versions.
+    """
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=patience, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"--scheduler {address}: no Dask scheduler answers there ({reason})") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=patience)
+        except TimeoutError:
+            raise InputError(f"--scheduler {address}: has no workers") from None
+        _same_versions(client, address)
+        yield client
+
+
+def _same_versions(client: Client, address: str) -> None:
+    """Raise InputError if scheduler or workers run other versions than this process."""
+    told = client.get_versions()
+    here = told["client"]["packages"]["distributed"]
+    there = told["scheduler"]["packages"]["distributed"]
+    if here != there:
+        raise InputError(f"--scheduler {address}: runs distributed {there}, this is {here}")
+    try:
+        workers = client.run(versions)
+    except Exception as error:  # noqa: BLE001 - the worker's own error: it has not even this package
+        raise InputError(f"--scheduler {address}: its workers cannot load this package ({error})") from None
+    for worker, found in workers.items():
+        for name, version in versions().items():
+            if found.get(name) != version:
+                raise InputError(
+                    f"--scheduler {address}: worker {worker} runs {name} {found.get(name)}, this is {version}"
+                )

@@ -1,0 +1,57 @@
+"""The linear stage: an assembly in, growth rates of the coupled system out. No FMU is called."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..assembly import Assembly
+from ..coupling import modal_system
+from ..settings import Settings
+from ..stability import Poles
+from ..stability_case import REPORTED_BELOW_HZ
+from .prepared import Workshop
+from .rows import Number, Quantity
+
+PLACES = 12
+"""Unstable poles that a row has room for."""
+
+QUANTITIES = (
+    Quantity("growth_rate", "s-1", "largest growth rate of the coupled linear system"),
+    Quantity("growth_frequency", "Hz", "frequency of the pole with the largest growth rate"),
+    Quantity("unstable_modes", "1", f"number of unstable poles below {REPORTED_BELOW_HZ:g} Hz"),
+    Quantity("unstable_frequency", "Hz", "frequencies of the unstable poles, fastest first", PLACES, lacks=True),
+    Quantity("unstable_growth_rate", "s-1", "growth rates of the unstable poles, fastest first", PLACES, lacks=True),
+)
+
+
+def linear(assembly: Assembly, settings: Settings, workshop: Workshop) -> dict[str, Number]:
+    """Return growth rates and frequencies of the system linearised at its steady state.
+
+    Raises
+    ------
+    InputError
+        If its linear behaviour is not known.
+    """
+    return described(modal_system(assembly).poles)
+
+
+def described(poles: Poles) -> dict[str, Number]:
+    """Return the quantities of poles."""
+    fastest = int(poles.growth_rate.argmax())
+    unstable = poles.unstable()
+    order = np.argsort(-unstable.growth_rate)[:PLACES]
+    places = np.full((2, PLACES), np.nan)
+    places[0, : order.size] = unstable.frequency_hz[order]
+    places[1, : order.size] = unstable.growth_rate[order]
+    return {
+        "growth_rate": float(poles.growth_rate[fastest]),
+        "growth_frequency": float(poles.frequency_hz[fastest]),
+        "unstable_modes": float(unstable.below(REPORTED_BELOW_HZ).growth_rate.size),
+        "unstable_frequency": places[0],
+        "unstable_growth_rate": places[1],
+    }
+
+
+def is_unstable(values: dict[str, Number]) -> bool:
+    """Return whether anything grows."""
+    return float(values["growth_rate"]) > 0  # type: ignore[arg-type]

@@ -1,0 +1,1 @@
+"""Runs: a scenario from start to end, and what identifies it."""
