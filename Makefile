@@ -42,7 +42,7 @@ ssp: .venv/user  ## write the SSDs and parameter sets in ssp/ from the contract
 	$(BIN)/python -c "from pathlib import Path; from fmus.packaging.build import write_system_structure; write_system_structure(Path('ssp'))"
 
 data: .venv/user  ## make the shipped wheel and rail data again
-	$(BIN)/python -m fmus.wheel.finite_elements && $(BIN)/python -m fmus.rail.regenerate
+	$(BIN)/python -m fmus.wheel.finite_elements && $(BIN)/curvesqueal rail regenerate
 
 figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), wheel (Fig. 6) and stability (Fig. 7)
 	$(BIN)/curvesqueal rail figures --out results && $(BIN)/curvesqueal friction && $(BIN)/curvesqueal wheel figures && $(BIN)/curvesqueal stability case1 --out results/stability.png

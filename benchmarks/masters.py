@@ -25,11 +25,13 @@ from rich.table import Table
 
 from fmus.component import Instance
 from fmus.interface import connections
-from fmus.packaging.build import Target, build, components
-from orchestrator.assembly import assemble
-from orchestrator.master import Master
-from orchestrator.settings import Settings
-from orchestrator.system import read_system
+from fmus.packaging.build import build
+from fmus.packaging.catalogue import components
+from fmus.packaging.target import Target
+from orchestrator.coupling.assembly import assemble
+from orchestrator.coupling.master import Master
+from orchestrator.coupling.settings import Settings
+from orchestrator.system.reader import read_system
 
 H = 5e-6
 NOISE = 0.05

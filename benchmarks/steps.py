@@ -18,9 +18,9 @@ from rich.console import Console
 from rich.table import Table
 
 from fmus.component import Instance
-from fmus.packaging.build import components
-from orchestrator.master import Master, Settings
-from orchestrator.scenario import Scenario
+from fmus.packaging.catalogue import components
+from orchestrator.coupling.master import Master, Settings
+from orchestrator.runs.scenario import Scenario
 
 STEP = 5e-6
 REPEATS = 5

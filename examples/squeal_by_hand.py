@@ -12,14 +12,14 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from orchestrator.acoustics import REFERENCE_PRESSURE, sound_of
-from orchestrator.limit_cycle import growth_of, limit_cycle
-from orchestrator.results import open_results
-from orchestrator.run_model import model_of
-from orchestrator.running import Report, run_scenario
-from orchestrator.scenario import Scenario
-from orchestrator.sound import pressure_of, write_wav
-from orchestrator.spectra import a_weighted, level, narrow_band, third_octaves
+from orchestrator.results.file import open_results
+from orchestrator.runs.run import Report, run_scenario
+from orchestrator.runs.scenario import Scenario
+from orchestrator.signals.limit_cycle import growth_of, limit_cycle
+from orchestrator.signals.spectra import a_weighted, level, narrow_band, third_octaves
+from orchestrator.sound.radiation import REFERENCE_PRESSURE, sound_of
+from orchestrator.sound.wav import pressure_of, write_wav
+from orchestrator.stability.linear_model import model_of
 
 folder = Path(mkdtemp())
 outcome = run_scenario(Scenario("case1", duration=0.5, seed=0), folder, Report())

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from .errors import InputError, SimulationError
 
 if TYPE_CHECKING:
+    from .coupling.master import Progress
     from .library import load, resume, simulate
-    from .master import Progress
-    from .outcome import Outcome
-    from .scenario import Scenario
+    from .runs.outcome import Outcome
+    from .runs.scenario import Scenario
 
 __all__ = ["InputError", "Outcome", "Progress", "Scenario", "SimulationError", "load", "resume", "simulate"]
 

@@ -16,13 +16,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from .coupling.master import Progress
 from .errors import SimulationError
-from .fmu_file import Value
-from .master import Progress
-from .outcome import Outcome
-from .running import Keeping, Report, run_scenario
-from .running import resume as _resume
-from .scenario import Scenario
+from .fmi.file import Value
+from .runs.outcome import Outcome
+from .runs.run import Keeping, Report, run_scenario
+from .runs.run import resume as _resume
+from .runs.scenario import Scenario
 
 
 def load(  # noqa: PLR0913 - one argument per property of a scenario

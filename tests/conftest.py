@@ -9,7 +9,8 @@ import pytest
 from filelock import FileLock
 from hypothesis import settings
 
-from fmus.packaging.build import Target, build
+from fmus.packaging.build import build
+from fmus.packaging.target import Target
 
 settings.register_profile("curvesqueal", deadline=None, derandomize=True)
 settings.load_profile("curvesqueal")

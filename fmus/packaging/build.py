@@ -2,118 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
+from ..cases import read_cases
 from ..component import Component
-from ..contact.component import contact
-from ..interface import DEFAULT_STEP
-from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
-from ..system.component import system
-from ..wheel.component import wheel
-from ..wheel.wheelset import DATA, read_wheelset
 from .archive import write_files
+from .catalogue import components
 from .native.fmu import build_native_fmus
-from .native.linker import find_compiler
-from .native.platforms import PLATFORMS, this_platform
-from .python_fmu import build_python_fmu
-from .system_structure import read_cases, ssp_files, system_mobility
+from .python.fmu import build_python_fmu
+from .ssp.structure import ssp_files
+from .target import Target, default_target
 
 SSP_NAME = "curvesqueal.ssp"
-
-PYTHON_PLATFORMS = ("x86_64-linux", "x86_64-windows")
-"""Where PythonFMU has binaries."""
-
-
-@dataclass(frozen=True)
-class Target:
-    """What kind of FMU to build.
-
-    Attributes
-    ----------
-    flavour : 'native' (machine code, no Python on the host) or 'python' (PythonFMU)
-    fmi : major version of FMI, 2 or 3; PythonFMU knows 2 only
-    platforms : names of `PLATFORMS`; for Python FMUs those that PythonFMU brings
-    """
-
-    flavour: str
-    fmi: int = 2
-    platforms: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Check that such FMUs can be built here.
-
-        Raises
-        ------
-        ValueError
-            If they cannot be.
-        """
-        if self.flavour not in ("native", "python"):
-            raise ValueError(f"flavour {self.flavour!r}: must be native or python")
-        if self.fmi not in (2, 3):
-            raise ValueError(f"FMI {self.fmi}: must be 2 or 3")
-        if self.flavour == "python":
-            self._check_python()
-            return
-        if not self.platforms:
-            object.__setattr__(self, "platforms", (this_platform(),))
-        for name in self.platforms:
-            if name not in PLATFORMS:
-                raise ValueError(f"platform {name!r}: must be one of {', '.join(PLATFORMS)}")
-            if find_compiler(name) is None:
-                raise ValueError(f"platform {name}: there is no C compiler for it; the package ziglang brings one")
-
-    def _check_python(self) -> None:
-        if self.fmi != 2:
-            raise ValueError("Python FMUs: PythonFMU writes FMI 2 only; --flavour native has FMI 3")
-        if this_platform() not in PYTHON_PLATFORMS:
-            raise ValueError(f"Python FMUs: PythonFMU has no binary for {this_platform()}; {_ZIG_HELPS}")
-        if self.platforms:
-            raise ValueError(f"Python FMUs: run on {' and '.join(PYTHON_PLATFORMS)} only; leave --platforms out")
-
-    def __str__(self) -> str:
-        """Return it in words."""
-        if self.flavour == "python":
-            return "Python FMUs (PythonFMU), FMI 2"
-        compilers = dict.fromkeys(c.name for name in self.platforms if (c := find_compiler(name)))
-        return f"native FMUs, FMI {self.fmi}, for {', '.join(self.platforms)}, by {', '.join(compilers)}"
-
-
-_ZIG_HELPS = "a C compiler or the package ziglang makes native FMUs possible"
-
-
-def default_target() -> Target:
-    """Return what is built unless the user says otherwise: native if a compiler is there, else Python.
-
-    Raises
-    ------
-    ValueError
-        If neither is possible here.
-    """
-    here = this_platform()
-    if here in PLATFORMS and find_compiler(here) is not None:
-        return Target("native")
-    return Target("python")
-
-
-def components() -> dict[str, Component]:
-    """Return every component that is shipped, by the name of its FMU file without suffix."""
-    the_wheel, the_rail, rigid = wheel(), rail(), rigid_rail()
-    the_contact = contact(system_mobility([the_wheel, the_rail], DEFAULT_STEP))
-    first = read_cases()[0]
-    return {
-        "wheel": the_wheel,
-        "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
-        "rail": the_rail,
-        "rail-paper": paper_rail(),
-        "rail-rigid": rigid,
-        "rail-discrete": discrete_rail(),
-        "contact": the_contact,
-        "curvesqueal": system("curvesqueal", the_wheel, the_rail, the_contact, first.contact),
-        "curvesqueal-rigid": system("curvesqueal_rigid", the_wheel, rigid, the_contact, first.contact),
-    }
 
 
 def build_fmus(components: Mapping[str, Component], folder: Path, target: Target) -> dict[str, Path]:
@@ -158,24 +60,6 @@ def build(
     for path in (*fmus.values(), ssp):
         report(path)
     return ssp
-
-
-def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Target, ...]:
-    """Return the targets that a user asks for: a flavour, 'all' for both, None for the default.
-
-    Raises
-    ------
-    ValueError
-        If one of them cannot be built here.
-    """
-    if flavour == "all":
-        return Target("native", fmi, tuple(platforms)), Target("python")
-    if flavour is None:
-        default = default_target()
-        if default.flavour == "python" and (fmi != 2 or platforms):
-            raise ValueError(f"native FMUs: {_ZIG_HELPS}")
-        flavour = default.flavour
-    return (Target(flavour, fmi, tuple(platforms)),)
 
 
 def write_system_structure(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Which Python files the kernels of a component come from: their module and all that it imports of this package."""
+"""Which Python files a module of this package needs: its own and all that it imports of the package."""
 
 from __future__ import annotations
 
@@ -11,15 +11,24 @@ PACKAGE = Path(__file__).parents[1]
 
 
 def kernel_files(component: Component) -> list[str]:
-    """Return the files, relative to the package, sorted."""
+    """Return the files of a component's kernels, relative to the package, sorted."""
+    return files_of(component.kernels)
+
+
+def files_of(module: str) -> list[str]:
+    """Return the file of a module of this package and of all that it imports of it, relative to the package, sorted.
+
+    >>> files_of("interface")
+    ['interface.py']
+    """
     found: set[str] = set()
-    waiting = [component.kernels.replace(".", "/") + ".py"]
+    waiting = [module.replace(".", "/") + ".py"]
     while waiting:
         name = waiting.pop()
         if name not in found:
             found.add(name)
             waiting += _imported(name)
-    folders = {Path(name).parent for name in found} - {Path()}
+    folders = {folder for name in found for folder in Path(name).parents} - {Path()}
     return sorted(found | {f"{folder.as_posix()}/__init__.py" for folder in folders})
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..component import Component
-from ..modal import Modes
-from ..modal_data import read_modal_data
-from ..structure import structure
+from ..modal.component import structure
+from ..modal.data import read_modal_data
+from ..modal.modes import Modes
 
 DATA = Path(__file__).parent / "data"
 

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementLineHermite, ElementLinePp, MeshLine
 from skfem.helpers import dd, grad
 
-from ..modal import Modes
+from ..modal.modes import Modes
 from .fit import FIT_BAND_HZ, fit_modes
 from .track import LAT, LON, SPIN, VER, support_stiffness, tilting_stiffness
 from .track_data import Track

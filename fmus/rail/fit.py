@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..interface import DIRECTIONS
-from ..modal import Modes, receptance
+from ..modal.modes import Modes, receptance
 from .direction_fit import Goal, fit_direction, rms_error
 from .track import track_receptance
 from .track_data import Track

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..interface import DIRECTIONS
-from ..modal import Modes
+from ..modal.modes import Modes
 from .fit import MOST_MODES, check_frequencies, fit_errors, fit_modes
 
 Real = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..interface import DIRECTIONS
-from ..modal import Modes
+from ..modal.modes import Modes
 from .fit import BAND_HZ, error_frequencies
 from .track import tilting_stiffness, track_receptance
 from .track_data import Support, Track

@@ -11,9 +11,10 @@ from ..contact.kernels import do_step as contact_step
 from ..contact.kernels import initialise as contact_initialise
 from ..contact.kernels import turn_mobility
 from ..contact.operating_point import move_operating_point
-from ..structure import N_MOBILITIES, tabulate
-from ..structure import do_step as structure_step
-from ..structure import initialise as structure_initialise
+from ..modal.kernels import do_step as structure_step
+from ..modal.kernels import initialise as structure_initialise
+from ..modal.kernels import tabulate
+from ..modal.layout import N_MOBILITIES
 from .layout import (
     CONTACT_OUT_TO_RAIL,
     CONTACT_OUT_TO_WHEEL,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import replace
 
-from ..modal_data import read_modal_data
+from ..modal.data import read_modal_data
 from .wheelset import DATA, Wheelset, read_wheelset
 
 MODES = DATA / "class158.toml"

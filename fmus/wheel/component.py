@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..component import Component
-from ..modal import Modes
-from ..structure import structure
+from ..modal.component import structure
+from ..modal.modes import Modes
 from .class158 import class158
 
 

@@ -17,8 +17,8 @@ import numpy as np
 import pyuff
 
 from ..interface import DIRECTIONS
-from ..modal import Modes
-from ..modal_data import read_modal_data
+from ..modal.data import read_modal_data
+from ..modal.modes import Modes
 
 CSV_COLUMNS = ("label", "frequency_hz", "damping_ratio", *DIRECTIONS)
 

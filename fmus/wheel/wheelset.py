@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..modal import Modes
+from ..modal.modes import Modes
 
 DATA = Path(__file__).parent / "data"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 import dask
 from distributed import Client, LocalCluster, Worker, WorkerPlugin
@@ -17,14 +18,14 @@ PATIENCE = 30.0
 """Time in which a scheduler answers and a first worker comes [s]."""
 
 
-class FmuContents(WorkerPlugin):  # type: ignore[misc]
+class FmuContents(WorkerPlugin):
     """What every worker gets, those that come later too: the FMUs of a campaign, by checksum."""
 
     def __init__(self, name: str, contents: Mapping[str, bytes]) -> None:
         self.name = name
         self.contents = dict(contents)
 
-    def setup(self, worker: Worker) -> None:
+    def setup(self, worker: Worker) -> None:  # noqa: ARG002 - the signature of a plugin
         """Write what this machine does not have yet."""
         keep(self.contents)
 
@@ -75,14 +76,14 @@ def remote(address: str, patience: float = PATIENCE) -> Iterator[Client]:
 
 def _same_versions(client: Client, address: str) -> None:
     """Raise InputError if scheduler or workers run other versions than this process."""
-    told = client.get_versions()
+    told: Any = client.get_versions()
     here = told["client"]["packages"]["distributed"]
     there = told["scheduler"]["packages"]["distributed"]
     if here != there:
         raise InputError(f"--scheduler {address}: runs distributed {there}, this is {here}")
     try:
         workers = client.run(versions)
-    except Exception as error:  # noqa: BLE001 - the worker's own error: it has not even this package
+    except Exception as error:  # the worker's own error: it has not even this package
         raise InputError(f"--scheduler {address}: its workers cannot load this package ({error})") from None
     for worker, found in workers.items():
         for name, version in versions().items():

@@ -65,7 +65,7 @@ class Engine:
     point: Callable[[int], Mapping[str, Value]]
     stop_requested: Callable[[], bool] = lambda: False
     _waiting: deque[tuple[int, ...]] = field(default_factory=deque)
-    _running: dict[str, tuple[Future, _Batch]] = field(default_factory=dict)
+    _running: dict[str, tuple[Future[list[Row]], _Batch]] = field(default_factory=dict)
     _finished: queue.SimpleQueue[str] = field(default_factory=queue.SimpleQueue)
     _killed: dict[int, int] = field(default_factory=dict)
     _seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
@@ -152,7 +152,7 @@ class Engine:
             return self._worker_lost(batch)
         except (OSError, TimeoutError):
             pass
-        except Exception as error:  # noqa: BLE001 - whatever a worker cannot say otherwise is a row's sentence
+        except Exception as error:  # whatever a worker cannot say otherwise is a row's sentence
             if "Cancelled" not in type(error).__name__ and "Lost" not in type(error).__name__:
                 return self._failed(batch, f"the worker fails: {type(error).__name__}: {error}")
         if self.client.status != "running":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..results import require_parquet
+from ..results.formats import require_parquet
 from .store import open_campaign
 
 

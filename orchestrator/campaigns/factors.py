@@ -53,7 +53,7 @@ class Listed:
     def at(self, u: NDArray[np.float64]) -> Column:
         """Return the value in whose share of the interval from 0 to 1 each u lies."""
         n = len(self.values)
-        return self.levels()[np.minimum((u * n).astype(int), n - 1)]
+        return np.asarray(self.levels()[np.minimum((u * n).astype(int), n - 1)])
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Whole:
     def at(self, u: NDArray[np.float64]) -> Column:
         """Return the number in whose share of the interval from 0 to 1 each u lies."""
         n = self.high - self.low + 1
-        return self.low + np.minimum((u * n).astype(int), n - 1)
+        return np.asarray(self.low + np.minimum((u * n).astype(int), n - 1))
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ def _distributed(where: str, entry: Mapping[str, Any]) -> Distributed:
     for key in sorted(positive):
         if p[key] <= 0:
             raise InputError(f"{where}: {key} = {p[key]:g}: must be > 0")
-    if "to" in p and not p["from"] <= p.get("mode", p["from"]) <= p["to"] or p.get("from") == p.get("to", np.nan):
+    if ("to" in p and not p["from"] <= p.get("mode", p["from"]) <= p["to"]) or p.get("from") == p.get("to", np.nan):
         raise InputError(f"{where}: is empty, from {p['from']:g} to {p['to']:g}")
     return Distributed(kind, _law(kind, p))
 

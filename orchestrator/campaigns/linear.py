@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..assembly import Assembly
-from ..coupling import modal_system
-from ..settings import Settings
-from ..stability import Poles
-from ..stability_case import REPORTED_BELOW_HZ
-from .prepared import Workshop
+from ..stability.analysis import REPORTED_BELOW_HZ
+from ..stability.poles import Poles
+from ..stability.scheme import modal_system
+from .prepared import Prepared
 from .rows import Number, Quantity
 
 PLACES = 12
@@ -24,7 +22,7 @@ QUANTITIES = (
 )
 
 
-def linear(assembly: Assembly, settings: Settings, workshop: Workshop) -> dict[str, Number]:
+def linear(prepared: Prepared) -> dict[str, Number]:
     """Return growth rates and frequencies of the system linearised at its steady state.
 
     Raises
@@ -32,7 +30,7 @@ def linear(assembly: Assembly, settings: Settings, workshop: Workshop) -> dict[s
     InputError
         If its linear behaviour is not known.
     """
-    return described(modal_system(assembly).poles)
+    return described(modal_system(prepared.assembly).poles)
 
 
 def described(poles: Poles) -> dict[str, Number]:
@@ -54,4 +52,4 @@ def described(poles: Poles) -> dict[str, Number]:
 
 def is_unstable(values: dict[str, Number]) -> bool:
     """Return whether anything grows."""
-    return float(values["growth_rate"]) > 0  # type: ignore[arg-type]
+    return float(values["growth_rate"]) > 0

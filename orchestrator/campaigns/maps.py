@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from ..errors import InputError
-from ..tones import Tone, tones
+from ..signals.tones import Tone, tones
 from .rows import DONE
 
 if TYPE_CHECKING:  # xarray takes a second to import

@@ -11,7 +11,7 @@ import numpy as np
 
 from .maps import Map
 
-_LIBRARY = Path(__file__).parents[1] / "templates" / "plotly-basic.min.js"
+_LIBRARY = Path(__file__).parents[1] / "report" / "templates" / "plotly-basic.min.js"
 
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
@@ -22,7 +22,8 @@ _PAGE = """<!doctype html>
 <div id="map" role="img" aria-label="{words}"></div>
 <details><summary>The plan</summary><pre>{plan}</pre></details>
 <script>{library}</script>
-<script>(window.Plotly || window.moduleName).newPlot("map", {traces}, {layout}, {{responsive: true, displaylogo: false}})
+<script>
+(window.Plotly || window.moduleName).newPlot("map", {traces}, {layout}, {{responsive: true, displaylogo: false}})
 </script></body></html>
 """
 
@@ -70,8 +71,9 @@ def figure(the_map: Map) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         "colorbar": {"title": {"text": f"{the_map.name} [{the_map.unit}]"}},
         **(scale if signed else {"colorscale": "Viridis"}),
     }  # fmt: skip
+    words = f"{the_map.x.name} %{{x}}<br>{the_map.y.name} %{{y}}<br>%{{text}}<extra></extra>"
     trace = {"type": "scatter", "mode": "markers", "x": x, "y": y, "text": hover, "marker": marker,
-             "hovertemplate": f"{the_map.x.name} %{{x}}<br>{the_map.y.name} %{{y}}<br>%{{text}}<extra></extra>"}  # fmt: skip
+             "hovertemplate": words}  # fmt: skip
     layout = {"xaxis": {"title": {"text": the_map.x.name}}, "yaxis": {"title": {"text": the_map.y.name}},
               "dragmode": "zoom", "hovermode": "closest", "margin": {"t": 20}}  # fmt: skip
     return [trace], layout

@@ -250,7 +250,7 @@ def _fmus(name: str, factor: Factor, folder: Path) -> Listed:
     """Return a list of FMUs that take a component's place."""
     if not isinstance(factor, Listed) or not all(isinstance(v, str) for v in factor.values):
         raise InputError(
-            f"[vary] {name}: must be COMPONENT.PARAMETER, {SEED}, {START_HZ}, a choice, or a component with a list of FMUs"
+            f"[vary] {name}: must be COMPONENT.PARAMETER, a component with FMUs, {SEED}, {START_HZ} or a choice"
         )
     return Listed(tuple(_source(str(v), folder) for v in factor.values))
 

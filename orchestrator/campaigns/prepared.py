@@ -13,14 +13,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..archive import cache_folder, sha256
-from ..assembly import Assembly, assemble, open_fmus
-from ..competition import mode_start
+from ..coupling.assembly import Assembly, assemble, open_fmus
+from ..coupling.settings import Settings
 from ..errors import InputError
-from ..fmu import Fmu, Value
-from ..scenario import find_system, random_start
-from ..settings import Settings
-from ..system import Element, System, listing
-from ..system_values import component_values
+from ..fmi.instance import Fmu, Value
+from ..runs.competition import mode_start
+from ..runs.scenario import random_start
+from ..system.cases import find_system
+from ..system.model import Element, System, listing
+from ..system.values import component_values
 from .factors import SEED, START_HZ
 from .plan import Plan, split
 from .shipped import shipped_fmu
@@ -53,10 +54,24 @@ class Workshop:
     Attributes
     ----------
     assemblies : by the checksums in the places of the components
-    modes : of structures, by checksum and parameters
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A system that is ready for a stage.
+
+    Attributes
+    ----------
+    assembly, settings : what to run and how
+    workshop : what the process keeps
+    """
+
+    assembly: Assembly
+    settings: Settings
+    workshop: Workshop
 
 
 def pack(plan: Plan) -> tuple[Campaign, dict[str, bytes]]:

@@ -82,9 +82,8 @@ def _unit(method: str, d: int, n: int, seed: int) -> Real:
 
     Notes
     -----
-    Saltelli's scheme: two independent samples A and B of n points each, and for each factor A with its column taken from
-    B; the order is A, B, AB_1 ... AB_d, that of `scipy.stats.sobol_indices`. n a power of two keeps the balance of the
-    Sobol sequence; other n are allowed.
+    Saltelli's scheme: two independent samples A and B of n points each, and for each factor A with its column taken
+    from B; the order is A, B, AB_1 ... AB_d.
     """
     random = np.random.default_rng(seed)
     if method == "latin":

@@ -6,10 +6,12 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from fmus.packaging.build import build_fmus, components, default_target
+from fmus.packaging.build import build_fmus
+from fmus.packaging.catalogue import components
+from fmus.packaging.target import default_target
 
 from ..errors import InputError
-from ..scenario import built_ssp
+from ..system.cases import built_ssp
 
 
 def shipped_fmu(name: str) -> Path:

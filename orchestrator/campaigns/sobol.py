@@ -80,7 +80,7 @@ def of_values(values: NDArray[np.float64], factors: list[str], seed: int = 0) ->
     if np.ptp(values) == 0:
         raise InputError("the quantity is the same in every run, so no factor has a share in its variance")
     blocks = {"f_A": values[None, 0], "f_B": values[None, 1], "f_AB": values[2:, None]}
-    found = sobol_indices(func=blocks, n=values.shape[1])
+    found = sobol_indices(func=blocks, n=values.shape[1], rng=np.random.default_rng(seed))
     spread = found.bootstrap(confidence_level=CONFIDENCE, n_resamples=RESAMPLES)
     first, total = spread.first_order.confidence_interval, spread.total_order.confidence_interval
     columns = (found.first_order, first.low, first.high, found.total_order, total.low, total.high)

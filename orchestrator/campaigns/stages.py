@@ -8,14 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..assembly import Assembly
 from ..errors import InputError, SimulationError
 from ..runs.identity import identity
-from ..settings import Settings
 from . import linear
 from .factors import Value
 from .plan import Plan
-from .prepared import Campaign, Workshop, prepare
+from .prepared import Campaign, Prepared, Workshop, prepare
 from .rows import DONE, FAILED, Number, Quantity, Row
 
 
@@ -26,12 +24,12 @@ class Stage:
     Attributes
     ----------
     quantities : what it gives
-    compute : an assembly, settings and what the process keeps in, the quantities out
+    compute : a prepared system in, the quantities out
     unstable : whether its quantities say that the next stage is worth while
     """
 
     quantities: tuple[Quantity, ...]
-    compute: Callable[[Assembly, Settings, Workshop], dict[str, Number]]
+    compute: Callable[[Prepared], dict[str, Number]]
     unstable: Callable[[dict[str, Number]], bool]
 
 
@@ -62,16 +60,16 @@ def run_point(campaign: Campaign, workshop: Workshop, index: int, point: Mapping
     try:
         assembly = prepare(campaign, workshop, point)
         name = identity(assembly, campaign.settings)
-        values = _through(campaign, workshop, assembly)
+        values = _through(campaign.plan, Prepared(assembly, campaign.settings, workshop))
     except (InputError, SimulationError) as error:
         return Row(index, FAILED, name, str(error), seconds=time.perf_counter() - begin)
-    except Exception as error:  # noqa: BLE001 - one bad point must not end a campaign
+    except Exception as error:  # one bad point must not end a campaign
         sentence = f"{type(error).__name__}: {error}"
         return Row(index, FAILED, name, sentence, seconds=time.perf_counter() - begin)
     wrong = [
         q.name
         for q in quantities(campaign.plan)
-        if q.name in values and not q.lacks and not q.text and not np.all(np.isfinite(values[q.name]))  # type: ignore[arg-type]
+        if q.name in values and not q.lacks and not q.text and not np.all(np.isfinite(values[q.name]))
     ]
     seconds = time.perf_counter() - begin
     if wrong:
@@ -79,11 +77,11 @@ def run_point(campaign: Campaign, workshop: Workshop, index: int, point: Mapping
     return Row(index, DONE, name, "", values, seconds)
 
 
-def _through(campaign: Campaign, workshop: Workshop, assembly: Assembly) -> dict[str, Number]:
+def _through(plan: Plan, prepared: Prepared) -> dict[str, Number]:
     """Return the quantities of all stages up to the first that finds nothing unstable."""
     values: dict[str, Number] = {}
-    for name in campaign.plan.compute.stages:
-        found = STAGES[name].compute(assembly, campaign.settings, workshop)
+    for name in plan.compute.stages:
+        found = STAGES[name].compute(prepared)
         values.update(found)
         if not STAGES[name].unstable(found):
             break

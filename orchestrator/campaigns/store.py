@@ -226,4 +226,5 @@ def open_campaign(path: Path) -> xr.Dataset:
     if not path.exists():
         raise InputError(f"{path}: no such store")
     _group(path)
-    return xr.open_zarr(path)
+    data: xr.Dataset = xr.open_zarr(path)
+    return data

@@ -1,1 +1,1 @@
-"""Commands, one file each."""
+"""The commands: one file each, no physics."""

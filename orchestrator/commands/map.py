@@ -8,22 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from ..command_tools import Json
 from ..errors import InputError
+from .tools import Json, screen
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ..campaigns.maps import Map
 
-messages = Console(stderr=True)
-screen = Console()
 
-
-def map_(  # noqa: PLR0913, PLR0917 - one argument per option
+def map(  # noqa: PLR0913, PLR0917 - one argument per option
     store: Annotated[Path, typer.Argument(metavar="STORE.zarr", help="What `sweep` wrote.")],
     x: Annotated[str | None, typer.Option("--x", help="Factor along the horizontal axis.")] = None,
     y: Annotated[str | None, typer.Option("--y", help="Factor along the vertical axis.")] = None,
@@ -78,7 +74,7 @@ def _picture(path: Path) -> Path:
 
 
 def _draw(found: Map, title: str, path: Path) -> None:
-    from ..figures_campaign import Grid, draw_grid  # noqa: PLC0415 - matplotlib takes its time
+    from ..figures.campaign import Grid, draw_grid  # noqa: PLC0415 - matplotlib takes its time
 
     unit = {"1": "-", "s-1": "1/s"}.get(found.unit, found.unit)
     grid = Grid(
@@ -91,7 +87,7 @@ def _draw(found: Map, title: str, path: Path) -> None:
 def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
     """Compute Sobol indices and draw them."""
     from ..campaigns.sobol import indices  # noqa: PLC0415
-    from ..figures_campaign import Share, draw_indices  # noqa: PLC0415
+    from ..figures.campaign import Share, draw_indices  # noqa: PLC0415
 
     found = indices(data, name)
     draw_indices(
@@ -107,7 +103,7 @@ def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
 def _tones(data: xr.Dataset, path: Path) -> dict[str, Any]:
     """Count the tones that the runs ended in, and draw them."""
     from ..campaigns.maps import ended_tones  # noqa: PLC0415
-    from ..figures import draw_competition  # noqa: PLC0415
+    from ..figures.competition import draw_competition  # noqa: PLC0415
 
     found = ended_tones(data)
     draw_competition(str(data.attrs["title"]), {"runs": found}, _picture(path))
@@ -135,6 +131,6 @@ def _table(found: dict[str, Any]) -> Table:
     for heading in ("cells", "runs", "least", "largest", "above zero"):
         table.add_column(heading, justify="right")
     above = f"{sum(v > 0 for v in values)} of {len(values)}"
-    runs = sum(map(sum, found["runs"]))
+    runs = sum(sum(row) for row in found["runs"])
     table.add_row(str(len(values)), str(runs), f"{min(values, default=0):.4g}", f"{max(values, default=0):.4g}", above)
     return table

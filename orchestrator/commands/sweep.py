@@ -11,14 +11,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ..campaigns.plan import read_plan
-from ..command_tools import Json
-
-messages = Console(stderr=True)
-screen = Console()
+from .tools import Json, messages, say, screen
 
 _PIPED_EVERY = 5.0
 """Time between two lines of progress where there is no terminal [s]."""
@@ -47,7 +43,7 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
     """
     from ..campaigns import sweep as campaign  # noqa: PLC0415 - dask takes its time
     from ..campaigns.export import write_rows  # noqa: PLC0415
-    from ..stopping import stop_on_signals  # noqa: PLC0415
+    from ..runs.stopping import stop_on_signals  # noqa: PLC0415
 
     the_plan = read_plan(plan)
     path = out or plan.with_suffix(".zarr")
@@ -63,7 +59,7 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
             )
         return
     with stop_on_signals() as stop_requested, _following() as report:
-        how = campaign.How(scheduler, workers, retry_failed, report, _say, stop_requested)
+        how = campaign.How(scheduler, workers, retry_failed, report, say, stop_requested)
         begin = time.monotonic()
         ended = campaign.sweep(the_plan, path, how)
         seconds = time.monotonic() - begin
@@ -75,12 +71,8 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
     else:
         screen.print(f"{path}: {ended.done} of {ended.wanted} runs done, {ended.failed} failed", highlight=False)
     if ended.done + ended.failed < ended.wanted:
-        _say("stopped; the same command goes on from there")
+        say("stopped; the same command goes on from there")
         raise typer.Exit(130)
-
-
-def _say(text: str) -> None:
-    messages.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def _time(seconds: float) -> str:
@@ -107,6 +99,6 @@ def _following() -> Iterator[Callable[..., None]]:
             if not messages.is_terminal and time.monotonic() - last[0] >= _PIPED_EVERY:
                 last[0] = time.monotonic()
                 left = "" if now.left_s is None else f", {_time(now.left_s)} left"
-                _say(f"{over} of {now.wanted} runs, {now.failed} failed, {now.rate:.3g} runs/s{left}")
+                say(f"{over} of {now.wanted} runs, {now.failed} failed, {now.rate:.3g} runs/s{left}")
 
         yield report

@@ -1,1 +1,1 @@
-"""Runs: a scenario from start to end, and what identifies it."""
+"""A scenario from start to end, and many of them."""

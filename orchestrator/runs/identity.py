@@ -9,12 +9,11 @@ from functools import lru_cache
 from importlib.metadata import version
 from typing import Any
 
-from ..assembly import Assembly
-from ..fmu_file import Fmu, Value
-from ..settings import Settings
-
-PACKAGES = ("curvesqueal", "fmpy", "numba", "numpy", "pythonfmu", "scipy")
-"""Whose versions may change a number."""
+from ..coupling.assembly import Assembly
+from ..coupling.settings import Settings
+from ..fmi.file import Fmu
+from ..fmi.instance import Value
+from .attributes import PACKAGES, plain
 
 
 @lru_cache(1)
@@ -53,23 +52,16 @@ def identity(assembly: Assembly, settings: Settings) -> str:
 def component(fmu: Fmu, values: Mapping[str, Value]) -> str:
     """Return the hash of an FMU with the values that differ from its start values."""
     changed = {
-        name: plain
+        name: known
         for name, value in values.items()
-        if (plain := _plain(value, fmu.variables[name].type)) != _start(fmu, name)
+        if (known := plain(value, fmu.variables[name].type)) != _start(fmu, name)
     }
     return _digest({"fmu": fmu.checksum, "values": changed})
 
 
 def _start(fmu: Fmu, name: str) -> float | str | None:
     variable = fmu.variables[name]
-    return None if variable.start is None else _plain(variable.start, variable.type)
-
-
-def _plain(value: Value, kind: str) -> float | str:
-    """Return a value as a number where it is one; true is 1."""
-    if kind == "Boolean":
-        return float(str(value).lower() in ("true", "1"))
-    return str(value) if kind in ("String", "Binary") else float(value)
+    return None if variable.start is None else plain(variable.start, variable.type)
 
 
 def _digest(data: Mapping[str, Any]) -> str:

@@ -18,11 +18,11 @@ import fmpy
 
 from ...component import Component
 from ..archive import write_files
-from ..documentation import documentation_files
-from ..model_description import model_description
-from ..model_description3 import model_description3
+from ..description.documentation import documentation_files
+from ..description.fmi2 import model_description
+from ..description.fmi3 import model_description3
+from ..description.terminals import terminal_files
 from ..sources import PACKAGE, kernel_files
-from ..terminals import terminal_files
 from .linker import FLAGS, Compiler, find_compiler, link
 from .lowering import lower
 from .platforms import PLATFORMS, Platform

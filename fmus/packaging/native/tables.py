@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from ...component import Component, Instance, Variable
-from ..arrays import arrays
+from ..description.arrays import arrays
 
 CAUSALITY = {
     "parameter": "PARAMETER",

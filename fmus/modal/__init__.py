@@ -1,0 +1,1 @@
+"""What wheel and rail share: modes, their data files, and the component and kernels of a modal structure."""

@@ -1,0 +1,95 @@
+"""The component that both wheel and rail are: modes in, declaration out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..component import Component, Variable
+from ..interface import (
+    DEFAULT_STEP,
+    DIRECTIONS,
+    INITIAL_VELOCITY,
+    MODAL_VELOCITY,
+    MODAL_VELOCITY_UNIT,
+    SHAPE_UNIT,
+    STEP_SIZE,
+    mobility_ports,
+    structure_inputs,
+    structure_outputs,
+)
+from .layout import _TABLES, N_MOBILITIES
+from .modes import Modes
+
+
+def structure(name: str, description: str, modes: Modes, capacity: int | None = None) -> Component:
+    """Return the component of a modal structure that obeys the contract.
+
+    Parameters
+    ----------
+    modes : Modes
+        Start values of the modal parameters.
+    capacity : int, optional
+        Number of modes that the component has room for, >= len(modes); unused ones have a zero shape.
+    """
+    n = len(modes) if capacity is None else capacity
+    if n < len(modes):
+        raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
+    parameters = _modal_parameters(modes, n)
+    moving = tuple(v.name for v in parameters if v.name.startswith(("shape", INITIAL_VELOCITY)))
+    step = Variable(
+        STEP_SIZE, "parameter", "s", "communication step that the mobilities y are given for",
+        start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
+    )  # fmt: skip
+    inputs = tuple(
+        Variable(p.name, "input", p.unit, p.description, start=0.0, nominal=p.nominal) for p in structure_inputs()
+    )
+    outputs = tuple(
+        Variable(
+            p.name, "output", p.unit, p.description, nominal=p.nominal,
+            initially_depends_on=moving if p.name.startswith("v_") else (),
+        )
+        for p in structure_outputs()
+    )  # fmt: skip
+    mobilities = tuple(
+        Variable(
+            p.name, "calculatedParameter", p.unit, p.description, nominal=p.nominal,
+            initially_depends_on=None,
+        )
+        for p in mobility_ports("y")
+    )  # fmt: skip
+    velocities = tuple(
+        Variable(
+            f"{MODAL_VELOCITY}_{i + 1:03d}", "local", MODAL_VELOCITY_UNIT, f"modal velocity of mode {i + 1}",
+            nominal=1e-3,
+        )
+        for i in range(n)
+    )  # fmt: skip
+    return Component(
+        name=name,
+        description=description,
+        variables=(*inputs, *outputs, *mobilities, *parameters, step, *velocities),
+        derived_size=N_MOBILITIES + 1 + _TABLES * n,
+        state_size=2 * n,
+        kernels="modal.kernels",
+    )
+
+
+def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
+    """Return the seven blocks of modal parameters, padded to `n` modes."""
+    blocks = [
+        ("frequency", "Hz", "natural frequency", modes.omega / (2 * np.pi), 0.0, 1e6, 1e3),
+        ("damping_ratio", "1", "damping ratio", modes.zeta, 0.0, 1e3, 1e-3),
+    ]
+    blocks += [
+        (f"shape_{d}", SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
+        for j, d in enumerate(DIRECTIONS)
+    ]
+    blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
+    return tuple(
+        Variable(
+            f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}",
+            start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
+        )
+        for name, unit, text, values, low, high, nominal in blocks
+        for i in range(n)
+    )  # fmt: skip

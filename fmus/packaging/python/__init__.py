@@ -1,0 +1,1 @@
+"""FMUs with a Python body, by PythonFMU."""

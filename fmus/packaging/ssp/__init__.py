@@ -1,0 +1,1 @@
+"""Cases and components in, SSP files out."""

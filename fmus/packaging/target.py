@@ -1,0 +1,101 @@
+"""What kind of FMU to build: flavour, version of FMI, platforms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .native.linker import find_compiler
+from .native.platforms import PLATFORMS, this_platform
+
+PYTHON_PLATFORMS = ("x86_64-linux", "x86_64-windows")
+"""Where PythonFMU has binaries."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What kind of FMU to build.
+
+    Attributes
+    ----------
+    flavour : 'native' (machine code, no Python on the host) or 'python' (PythonFMU)
+    fmi : major version of FMI, 2 or 3; PythonFMU knows 2 only
+    platforms : names of `PLATFORMS`; for Python FMUs those that PythonFMU brings
+    """
+
+    flavour: str
+    fmi: int = 2
+    platforms: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that such FMUs can be built here.
+
+        Raises
+        ------
+        ValueError
+            If they cannot be.
+        """
+        if self.flavour not in ("native", "python"):
+            raise ValueError(f"flavour {self.flavour!r}: must be native or python")
+        if self.fmi not in (2, 3):
+            raise ValueError(f"FMI {self.fmi}: must be 2 or 3")
+        if self.flavour == "python":
+            self._check_python()
+            return
+        if not self.platforms:
+            object.__setattr__(self, "platforms", (this_platform(),))
+        for name in self.platforms:
+            if name not in PLATFORMS:
+                raise ValueError(f"platform {name!r}: must be one of {', '.join(PLATFORMS)}")
+            if find_compiler(name) is None:
+                raise ValueError(f"platform {name}: there is no C compiler for it; the package ziglang brings one")
+
+    def _check_python(self) -> None:
+        if self.fmi != 2:
+            raise ValueError("Python FMUs: PythonFMU writes FMI 2 only; --flavour native has FMI 3")
+        if this_platform() not in PYTHON_PLATFORMS:
+            raise ValueError(f"Python FMUs: PythonFMU has no binary for {this_platform()}; {_ZIG_HELPS}")
+        if self.platforms:
+            raise ValueError(f"Python FMUs: run on {' and '.join(PYTHON_PLATFORMS)} only; leave --platforms out")
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if self.flavour == "python":
+            return "Python FMUs (PythonFMU), FMI 2"
+        compilers = dict.fromkeys(c.name for name in self.platforms if (c := find_compiler(name)))
+        return f"native FMUs, FMI {self.fmi}, for {', '.join(self.platforms)}, by {', '.join(compilers)}"
+
+
+_ZIG_HELPS = "a C compiler or the package ziglang makes native FMUs possible"
+
+
+def default_target() -> Target:
+    """Return what is built unless the user says otherwise: native if a compiler is there, else Python.
+
+    Raises
+    ------
+    ValueError
+        If neither is possible here.
+    """
+    here = this_platform()
+    if here in PLATFORMS and find_compiler(here) is not None:
+        return Target("native")
+    return Target("python")
+
+
+def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Target, ...]:
+    """Return the targets that a user asks for: a flavour, 'all' for both, None for the default.
+
+    Raises
+    ------
+    ValueError
+        If one of them cannot be built here.
+    """
+    if flavour == "all":
+        return Target("native", fmi, tuple(platforms)), Target("python")
+    if flavour is None:
+        default = default_target()
+        if default.flavour == "python" and (fmi != 2 or platforms):
+            raise ValueError(f"native FMUs: {_ZIG_HELPS}")
+        flavour = default.flavour
+    return (Target(flavour, fmi, tuple(platforms)),)

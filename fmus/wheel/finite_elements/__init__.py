@@ -1,0 +1,1 @@
+"""Finite elements of an axisymmetric wheelset: cross-section in, modes at the contact point out."""

@@ -1,0 +1,180 @@
+"""A system and its FMUs in, checked parameters, links and stages out. No instances, no calls.
+
+Everything that can be wrong with a system before the first call is found here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from fmus.interface import PAIRS
+
+from ..errors import InputError
+from ..fmi.instance import Fmu, Value, open_fmu
+from ..system.model import Element, System, Wire
+from ..system.values import component_values, elements_of, known, through, variable_unit
+from .algorithms import Coupling
+from .bonds import Bond, Link, _bonds
+
+_INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
+"""Types of FMI 3.0 and SSP 2.0 that earlier versions call otherwise."""
+
+CONNECTABLE = {
+    *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
+    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"),
+}  # fmt: skip
+"""Types of an output and of the input that it may feed."""
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A system that is ready to be instantiated.
+
+    Attributes
+    ----------
+    system : what was asked for
+    fmus : by component name
+    parameters : values in the FMUs' units, by component and variable name
+    links : connections, one per connected input
+    bonds : power bonds of the wheel/rail contract that the system has
+    contact : component that takes interface mobilities, None if there is none
+    notices : what a user should know before a run, one sentence each
+    outputs : outputs of the system itself, each with its conversion from a component's
+    """
+
+    system: System
+    fmus: Mapping[str, Fmu]
+    parameters: Mapping[str, dict[str, Value]]
+    links: tuple[Link, ...]
+    bonds: tuple[Bond, ...]
+    contact: str | None
+    notices: tuple[str, ...] = ()
+    outputs: tuple[Link, ...] = ()
+
+    def coupling(self) -> Coupling:
+        """Return what the master algorithms need to know."""
+        feeds: dict[str, set[str]] = {name: set() for name in self.fmus}
+        for link in self.links:
+            feeds[link.wire.end_element].add(link.wire.start_element)
+        return Coupling(
+            feeds={name: frozenset(sources) for name, sources in feeds.items()},
+            feedthrough={name: fmu.has_feedthrough() for name, fmu in self.fmus.items()},
+            told=self.system.stages,
+        )
+
+
+def open_fmus(system: System) -> dict[str, Fmu]:
+    """Return the FMUs of a system by component."""
+    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+
+
+def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
+    """Check everything in a system against its FMUs.
+
+    An input that nothing feeds keeps its start value, as SSP and FMI have it; a notice says so unless the system or the
+    user gives the value.
+
+    Parameters
+    ----------
+    fmus : the FMUs of the system, if they are open already
+
+    Raises
+    ------
+    InputError
+        For an unknown variable, a connection that cannot be, units that do not match, or a parameter that cannot be
+        set.
+    """
+    if not system.elements:
+        raise InputError(f"{system.path}: the system has no components")
+    fmus = open_fmus(system) if fmus is None else fmus
+    for name, element in system.elements.items():
+        _check_connectors(element, fmus[name])
+    links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
+    _check_inputs(links)
+    values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
+    parameters = {name: v.values for name, v in values.items()}
+    passed_over = (notice for v in values.values() for notice in v.notices)
+    wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
+    contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
+    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters))
+    outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
+    return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
+
+
+def _check_connectors(element: Element, fmu: Fmu) -> None:
+    """Raise InputError if the SSD says of a connector what is not true of the FMU's variable."""
+    for name, connector in element.connectors.items():
+        if name not in fmu.variables:
+            continue  # another FMU may stand here; a connection to it is refused
+        variable = fmu.variables[name]
+        if connector.kind not in (variable.causality, "inout", "unspecified"):
+            raise InputError(
+                f"connector {element.name}.{name}: is {connector.kind} in the SSD and {variable.causality} in the FMU"
+            )
+        told, own = (_TYPES.get(str(t), str(t)) for t in (connector.type, variable.type))
+        if connector.type is not None and told != own:
+            raise InputError(
+                f"connector {element.name}.{name}: is {connector.type} in the SSD and {variable.type} in the FMU"
+            )
+
+
+def _by_element(wire: Wire, fmus: Mapping[str, Fmu]) -> Iterable[Wire]:
+    """Return the connections of the elements of two arrays of one shape, or the connection itself."""
+    start = elements_of(wire.start_connector, fmus[wire.start_element])
+    end = elements_of(wire.end_connector, fmus[wire.end_element])
+    if not start or not end:
+        return [wire]
+    if [n.removeprefix(wire.start_connector) for n in start] != [n.removeprefix(wire.end_connector) for n in end]:
+        raise InputError(f"connection {wire}: {start[0]} to {start[-1]} on {end[0]} to {end[-1]}; shapes must agree")
+    pairs = zip(start, end, strict=True)
+    return [replace(wire, start_connector=s, end_connector=e) for s, e in pairs]
+
+
+def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
+    """Check one connection and find its conversion."""
+    where = f"connection {wire}"
+    ends = ((wire.start_element, wire.start_connector), (wire.end_element, wire.end_connector))
+    for element, connector in ends:
+        known(connector, fmus[element], where)
+    start = fmus[wire.start_element].variables[wire.start_connector]
+    end = fmus[wire.end_element].variables[wire.end_connector]
+    if start.causality != "output":
+        raise InputError(f"{where}: {wire.start_element}.{wire.start_connector} is no output but {start.causality}")
+    if end.causality != "input":
+        raise InputError(f"{where}: {wire.end_element}.{wire.end_connector} is no input but {end.causality}")
+    if (start.type, end.type) not in CONNECTABLE:
+        raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
+    units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
+    return Link(wire, *through(wire.hops, units[0], units[1], where))
+
+
+def _output(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
+    """Check an output of the system and find its conversion."""
+    where, name = f"connection {wire}", wire.start_element
+    known(wire.start_connector, fmus[name], where)
+    unit = variable_unit(system.elements[name], fmus[name], wire.start_connector, where)
+    return Link(wire, *through(wire.hops, unit, wire.hops[-1].unit, where))
+
+
+def _check_inputs(links: Iterable[Link]) -> None:
+    """Raise InputError for an input that more than one output feeds."""
+    fed: set[tuple[str, str]] = set()
+    for link in links:
+        key = (link.wire.end_element, link.wire.end_connector)
+        if key in fed:
+            raise InputError(f"input {key[0]}.{key[1]} is fed by two connections")
+        fed.add(key)
+
+
+def _held_inputs(
+    links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
+) -> Iterable[str]:
+    """Yield a notice for each input that neither a connection nor a value reaches."""
+    fed = {(link.wire.end_element, link.wire.end_connector) for link in links}
+    for name, fmu in fmus.items():
+        for variable in fmu.names("input"):
+            if (name, variable) not in fed and variable not in parameters[name]:
+                start = fmu.variables[variable].start
+                yield f"input {name}.{variable} of {fmu.path.name} is connected to nothing; it stays at {start}"

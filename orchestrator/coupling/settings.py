@@ -1,0 +1,74 @@
+"""How to run a system, and how far a run is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import inf
+
+from ..errors import InputError
+from .algorithms import find_algorithm
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to run a system.
+
+    Attributes
+    ----------
+    step : communication step [s]
+    duration : simulated time [s]; rounded to a whole number of steps
+    algorithm : name of the master algorithm
+    record_every : record after every this many steps
+    record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
+    timeout : time that a call of an FMU may take, each FMU in a process of its own [s]; None: all in this process
+    """
+
+    step: float
+    duration: float
+    algorithm: str = "staggered"
+    record_every: int = 4
+    record: tuple[str, ...] | None = None
+    timeout: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if not 0 < self.step < inf:
+            raise InputError(f"step = {self.step:g} s: must be > 0")
+        if not self.step <= self.duration < inf:
+            raise InputError(f"duration = {self.duration:g} s: must be at least one step of {self.step:g} s")
+        find_algorithm(self.algorithm)
+        if self.record_every < 1:
+            raise InputError(f"record_every = {self.record_every}: must be >= 1")
+        if self.timeout is not None and not 0 < self.timeout < inf:
+            raise InputError(f"timeout = {self.timeout:g} s: must be > 0")
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return round(self.duration / self.step)
+
+
+@dataclass
+class Progress:
+    """How far a run is.
+
+    Attributes
+    ----------
+    total : steps of the whole run
+    steps : steps made
+    wall : wall time in the loop [s]
+    energy_residual : energy that the scheme adds, by direction [J]
+    energy_into_structures : energy that went through the bonds, by direction [J]
+    stopped : whether a stop was requested before the end
+    sweeps : how often a step was made on average until its values converged; 1 without iteration
+    most_sweeps : the same for the step that took most
+    """
+
+    total: int
+    steps: int = 0
+    wall: float = 0.0
+    energy_residual: dict[str, float] = field(default_factory=dict)
+    energy_into_structures: dict[str, float] = field(default_factory=dict)
+    stopped: bool = False
+    sweeps: float = 1.0
+    most_sweeps: int = 1

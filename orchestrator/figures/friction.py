@@ -1,0 +1,24 @@
+"""The figure of friction curves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from .style import STYLE
+
+
+def draw_friction(creepage: np.ndarray, curves: dict[str, np.ndarray], path: Path) -> None:
+    """Draw friction force over normal force against lateral creepage, as in Fig. 5 of the paper."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.5, 3.6))
+        axes = figure.subplots(gridspec_kw={"left": 0.12, "right": 0.96, "bottom": 0.14, "top": 0.96})
+        for (label, ratio), line in zip(curves.items(), ("-", "--"), strict=False):
+            axes.plot(creepage, ratio, line, label=label, color="black")
+        axes.set(xlabel="Lateral creepage [-]", ylabel="Friction force / normal force [-]", xlim=(0, creepage[-1]))
+        axes.set_ylim(0, None)
+        axes.legend(loc="lower right")
+        figure.savefig(path, dpi=150)

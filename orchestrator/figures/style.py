@@ -1,0 +1,21 @@
+"""One style for all figures: colours, line styles, words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+STYLE: Any = {
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+}
+
+COLOURS: Any = {"wheel": "#0b5394", "rail": "#c2570c"}
+
+LINES: Any = {"wheel": "-", "rail": "--"}
+
+WORDS = {"lat": "Lateral", "ver": "Vertical"}

@@ -1,0 +1,1 @@
+"""One FMU: its file, its calls, its process."""

@@ -1,0 +1,1 @@
+"""How the wheel class158 was identified from Table 4."""

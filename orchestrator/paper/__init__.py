@@ -1,0 +1,1 @@
+"""The page that sets the paper next to this software."""

@@ -1,0 +1,1 @@
+"""One FMU driven by hand: responses, mobilities, checks."""

@@ -1,0 +1,1 @@
+"""Results on disk: the file, its columns, other formats."""

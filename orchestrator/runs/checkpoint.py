@@ -1,0 +1,162 @@
+"""Checkpoints: everything that the rest of a run depends on, in one file that is always whole.
+
+The file is a zip of arrays (NumPy's .npz): the scenario as JSON text, the states of the FMUs as bytes, the master's own
+numbers, and how many rows the results file had.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..coupling.assembly import Assembly
+from ..coupling.master import Master
+from ..errors import InputError
+from ..results.file import ResultsFile
+from .scenario import Scenario
+
+FORMAT = 1
+"""Version of the file format."""
+
+_NUMBERS = ("u", "y", "energy", "u_scale", "sweeps")
+"""Arrays of the plan that a run carries along."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A run in the middle.
+
+    Attributes
+    ----------
+    path : the file
+    scenario : what was asked for
+    checksums : of the FMUs, by component
+    states : of the FMUs, by component
+    numbers : the master's arrays
+    steps : steps made
+    wall : wall time so far [s]
+    results : the results file
+    rows : its rows when the checkpoint was made
+    header : size of its header [bytes]
+    """
+
+    path: Path
+    scenario: Scenario
+    checksums: Mapping[str, str]
+    states: Mapping[str, bytes]
+    numbers: Mapping[str, NDArray[Any]]
+    steps: int
+    wall: float
+    results: Path
+    rows: int
+    header: int
+
+    def restore(self, master: Master) -> None:
+        """Put the state of the run into a master that is initialised.
+
+        Raises
+        ------
+        InputError
+            If an FMU is not the one that the checkpoint was made with.
+        """
+        for name, fmu in master.assembly.fmus.items():
+            if self.checksums.get(name) != fmu.checksum:
+                raise InputError(f"{self.path}: {name} ({fmu.path}) is not the FMU that the checkpoint was made with")
+        for name, instance in master.instances.items():
+            instance.restore(self.states[name])
+        for name, values in self.numbers.items():
+            getattr(master.plan, name)[...] = values
+        master.progress.steps, master.progress.wall = self.steps, self.wall
+
+
+def check_serialisable(assembly: Assembly) -> None:
+    """Raise InputError if the state of an FMU cannot be kept."""
+    for name, fmu in assembly.fmus.items():
+        if not fmu.can_serialise:
+            raise InputError(f"--checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
+
+
+def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: ResultsFile) -> None:
+    """Write a checkpoint; the file that was there before stays whole until the new one is.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    results.sync()
+    head = {
+        "format": FORMAT,
+        "scenario": _absolute(scenario),
+        "checksums": {name: fmu.checksum for name, fmu in master.assembly.fmus.items()},
+        "steps": master.progress.steps,
+        "wall": master.progress.wall,
+        "results": str(results.path.absolute()),
+        "rows": results.rows,
+        "header": results.header,
+    }
+    arrays = {f"number_{name}": getattr(master.plan, name) for name in _NUMBERS}
+    for name, instance in master.instances.items():
+        arrays[f"state_{name}"] = np.frombuffer(instance.save(), dtype=np.uint8)
+    partial = path.with_name(f"{path.name}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with partial.open("wb") as file:
+            np.savez(file, head=np.frombuffer(json.dumps(head).encode(), dtype=np.uint8), **arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(f"--checkpoint {path}: cannot be written: {error.strerror or error}") from None
+
+
+def _absolute(scenario: Scenario) -> dict[str, Any]:
+    """Return a scenario as JSON data that means the same in any folder."""
+    data = asdict(scenario)
+    file, separator, variant = scenario.system.partition("#")
+    if Path(file).suffix in (".ssp", ".ssd"):
+        data["system"] = f"{Path(file).absolute()}{separator}{variant}"
+    data["sources"] = {name: str(Path(source).absolute()) for name, source in scenario.sources.items()}
+    return data
+
+
+def read_checkpoint(path: Path) -> Checkpoint:
+    """Return the checkpoint in a file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is no checkpoint.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such checkpoint file")
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+        head = json.loads(arrays["head"].tobytes())
+        if head["format"] != FORMAT:
+            raise InputError(f"{path}: is a checkpoint of format {head['format']}; this version reads format {FORMAT}")
+        fields = head["scenario"]
+        sources = {name: Path(source) for name, source in fields["sources"].items()}
+        return Checkpoint(
+            path,
+            Scenario(**{**fields, "sources": sources}),
+            head["checksums"],
+            {name.removeprefix("state_"): a.tobytes() for name, a in arrays.items() if name.startswith("state_")},
+            {name: arrays[f"number_{name}"] for name in _NUMBERS},
+            head["steps"],
+            head["wall"],
+            Path(head["results"]),
+            head["rows"],
+            head["header"],
+        )
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: is not a checkpoint of curvesqueal: {error}") from None

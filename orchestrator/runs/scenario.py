@@ -1,0 +1,87 @@
+"""What the user asks for, in words, and the system and settings that it means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from fmus.interface import INITIAL_VELOCITY, PULSE_FORCE
+
+from ..coupling.assembly import Assembly, assemble, open_fmus
+from ..coupling.master import Settings
+from ..errors import InputError
+from ..fmi.instance import Fmu, Value
+from ..system.cases import find_system
+
+RANDOM_START = 1e-3
+"""Standard deviation of the random initial modal velocities [kg^1/2 m/s]."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run as a user describes it.
+
+    Attributes
+    ----------
+    system : a case such as "case1", an .ssp or an .ssd file
+    duration, step, algorithm : None: as the system says
+    values : parameter values by component and name
+    sources : FMU files that replace a component's own
+    seed : random initial modal velocities instead of the force pulse
+    record_every : record after every this many steps
+    record : patterns of variables to record besides the outputs; None: the wheel's modal velocities
+    timeout : each FMU in a process of its own, and the time that a call may take [s]; None: all in this process
+    """
+
+    system: str
+    duration: float | None = None
+    step: float | None = None
+    algorithm: str | None = None
+    values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
+    sources: Mapping[str, Path] = field(default_factory=dict)
+    seed: int | None = None
+    record_every: int = 4
+    record: tuple[str, ...] | None = None
+    timeout: float | None = None
+
+    def prepare(self) -> tuple[Assembly, Settings]:
+        """Return the assembled system and the settings of the run."""
+        system = find_system(self.system)
+        step = self.step if self.step is not None else system.step_size
+        if step is None:
+            raise InputError(f"{self.system}: says no step size; give --step")
+        duration = self.duration
+        if duration is None:
+            duration = system.stop - system.start if system.stop is not None else None
+        if duration is None:
+            raise InputError(f"{self.system}: says no stop time; give --duration")
+        algorithm = self.algorithm or system.algorithm or "staggered"
+        settings = Settings(step, duration, algorithm, self.record_every, self.record, self.timeout)
+        system = system.with_sources(dict(self.sources))
+        fmus = open_fmus(system)
+        if self.seed is not None:
+            system = system.with_parameters(random_start(fmus, self.seed))
+        system = system.with_parameters({name: dict(values) for name, values in self.values.items()})
+        return assemble(system, fmus), settings
+
+
+def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Value]]:
+    """Return random initial modal velocities for every structure that has them, and no force pulse.
+
+    The velocities are independent and normal with standard deviation `RANDOM_START`.
+    """
+    random = np.random.default_rng(seed)
+    values: dict[str, dict[str, Value]] = {}
+    for name, fmu in fmus.items():
+        own: dict[str, Value] = {}
+        for variable in fmu.names("parameter"):
+            if variable.startswith(INITIAL_VELOCITY):
+                own[variable] = float(RANDOM_START * random.standard_normal())
+        if PULSE_FORCE in fmu.variables:
+            own[PULSE_FORCE] = 0.0
+        if own:
+            values[name] = own
+    return values

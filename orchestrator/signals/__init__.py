@@ -1,0 +1,1 @@
+"""Time signals in, numbers out; knows no files."""

@@ -1,0 +1,234 @@
+"""What a squealing run does: growth against the poles, limit cycle, harmonics, stick. Data in, facts out; no files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import fftconvolve
+
+from ..stability.poles import Poles
+from .summary import dominant_frequency, sample_interval, spectrum
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
+
+Real = NDArray[np.float64]
+
+STEADY = 0.05
+"""A vibration is steady if its levels in the quarters of the second half differ by less than this part."""
+
+SQUEAL_VELOCITY = 1e-3
+"""Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]."""
+
+LINEAR_VELOCITY = 0.02
+"""Lateral velocity up to which growth counts as linear [m/s]: a tenth of the sliding velocity."""
+
+STICK = 0.95
+"""A contact sticks, at least in part, while the creep force is below this part of the friction limit."""
+
+HARMONICS = 6
+_WINDOW_S = 0.08
+_SETTLED_S = 0.01
+_SHORTEST_WINDOW_S = 0.02
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Growth of one tone while the vibration is small, against the pole of the linear system.
+
+    Attributes
+    ----------
+    frequency_hz, pole : of the pole [Hz, 1/s]
+    seen : growth rate of the wheel's lateral velocity there [1/s]
+    """
+
+    frequency_hz: float
+    pole: float
+    seen: float
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """Velocity amplitudes at a multiple of the dominant frequency [m/s].
+
+    Attributes
+    ----------
+    number : 1 is the dominant tone
+    wheel, rail : by direction, lat and ver
+    """
+
+    number: int
+    frequency_hz: float
+    wheel: dict[str, float]
+    rail: dict[str, float]
+
+
+@dataclass(frozen=True)
+class LimitCycle:
+    """The second half of a run.
+
+    Attributes
+    ----------
+    frequency_hz : dominant frequency of the wheel's lateral velocity; None at rest
+    lateral_rms : of the wheel [m/s]
+    unsteadiness : largest relative difference of the rms in its two halves from the whole
+    rail_to_wheel : rms ratio by direction; absent where the wheel is at rest or there is no rail
+    second_tone_db : level of the strongest line that is no harmonic, relative to the dominant tone [dB]
+    second_tone_hz : its frequency [Hz]
+    harmonics : the dominant tone and its multiples
+    stick, contact_lost : parts of the time [-]; None without a contact
+    normal_force, friction_force : smallest and largest [N]; None without a contact
+    """
+
+    frequency_hz: float | None
+    lateral_rms: float
+    unsteadiness: float
+    rail_to_wheel: dict[str, float]
+    second_tone_db: float
+    second_tone_hz: float
+    harmonics: tuple[Harmonic, ...]
+    stick: float | None
+    contact_lost: float | None
+    normal_force: tuple[float, float] | None
+    friction_force: tuple[float, float] | None
+
+    @property
+    def squeals(self) -> bool:
+        """Whether there is a vibration to speak of."""
+        return self.lateral_rms > SQUEAL_VELOCITY
+
+    @property
+    def rail_above_wheel_hz(self) -> list[float]:
+        """Harmonics at which the rail moves laterally more than the wheel [Hz]."""
+        return [h.frequency_hz for h in self.harmonics if h.rail.get("lat", 0.0) > h.wheel.get("lat", 0.0)]
+
+    @property
+    def steady(self) -> bool:
+        """Whether the level has stopped to change."""
+        return self.squeals and self.unsteadiness < STEADY
+
+
+def limit_cycle(data: xr.Dataset) -> LimitCycle:
+    """Return what the second half of a run does.
+
+    Parameters
+    ----------
+    data : results with at least wheel.v_lat
+    """
+    half = data.isel(time=slice(data.sizes["time"] // 2, None))
+    interval = sample_interval(data)
+    lateral = _values(half, "wheel.v_lat")
+    rms = _rms(lateral)
+    frequency = dominant_frequency(lateral, interval)
+    quarters = [_rms(part) for part in np.array_split(lateral, 2)]
+    second_db, second_hz = _second_tone(lateral, interval, frequency)
+    normal, friction, stick = _contact(half)
+    return LimitCycle(
+        frequency_hz=frequency,
+        lateral_rms=rms,
+        unsteadiness=max(abs(q / rms - 1) for q in quarters) if rms > 0 else 0.0,
+        rail_to_wheel=_ratios(half),
+        second_tone_db=second_db,
+        second_tone_hz=second_hz,
+        harmonics=_harmonics(half, interval, frequency),
+        stick=stick,
+        contact_lost=None if normal is None else float((normal <= 0).mean()),
+        normal_force=None if normal is None else (float(normal.min()), float(normal.max())),
+        friction_force=None if friction is None else (float(friction.min()), float(friction.max())),
+    )
+
+
+def _values(data: xr.Dataset, name: str) -> Real:
+    return data[name].to_numpy().astype(float)
+
+
+def _rms(values: Real) -> float:
+    return float(np.sqrt(np.square(values).mean()))
+
+
+def _ratios(half: xr.Dataset) -> dict[str, float]:
+    """Return rms velocity of the rail over that of the wheel, by direction."""
+    ratios = {}
+    for d in ("lat", "ver"):
+        if f"rail.v_{d}" in half and (wheel := _rms(_values(half, f"wheel.v_{d}"))) > 0:
+            ratios[d] = _rms(_values(half, f"rail.v_{d}")) / wheel
+    return ratios
+
+
+def _second_tone(signal: Real, interval: float, frequency: float | None) -> tuple[float, float]:
+    """Return level re the dominant tone [dB] and frequency [Hz] of the strongest line away from its harmonics."""
+    f, amplitude = spectrum(signal, interval)
+    if frequency is None:
+        return -np.inf, 0.0
+    other = np.abs(f - frequency * np.round(f / frequency)) > max(0.02 * frequency, 4 * f[1])
+    other &= f > 20
+    k = int(np.where(other, amplitude, 0.0).argmax())
+    with np.errstate(divide="ignore"):
+        return float(20 * np.log10(amplitude[k] / amplitude.max())), float(f[k])
+
+
+def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tuple[Harmonic, ...]:
+    """Return the amplitudes at the multiples of a frequency that the sampling holds."""
+    if frequency is None:
+        return ()
+    found: dict[str, dict[str, list[float]]] = {"wheel": {}, "rail": {}}
+    count = min(HARMONICS, int(0.5 / (interval * frequency)))
+    for component, lines in found.items():
+        for d in ("lat", "ver"):
+            if f"{component}.v_{d}" in half:
+                f, amplitude = spectrum(_values(half, f"{component}.v_{d}"), interval)
+                near = [np.abs(f - k * frequency) < max(3.0, 3 * f[1]) for k in range(1, count + 1)]
+                lines[d] = [float(amplitude[n].max()) for n in near]
+    return tuple(
+        Harmonic(
+            k + 1,
+            (k + 1) * frequency,
+            {d: line[k] for d, line in found["wheel"].items()},
+            {d: line[k] for d, line in found["rail"].items()},
+        )
+        for k in range(count)
+    )
+
+
+def _contact(half: xr.Dataset) -> tuple[Real | None, Real | None, float | None]:
+    """Return normal force, friction force and the part of the time in stick; None where they were not recorded."""
+    names = ("normal_force", "tangential_force_lat", "friction_coefficient")
+    if not all(f"contact.{name}" in half for name in names):
+        return None, None, None
+    normal, friction, coefficient = (_values(half, f"contact.{name}") for name in names)
+    loaded = normal > 0
+    stick = loaded & (np.abs(friction) < STICK * coefficient * normal)
+    return normal, friction, float(stick.mean())
+
+
+def growth_of(data: xr.Dataset, poles: Poles) -> tuple[Growth, ...]:
+    """Return the growth of the wheel's lateral velocity at the fastest unstable poles while it is small.
+
+    Those that grow at least a third as fast as the fastest; the others are hidden by them.
+
+    Notes
+    -----
+    The velocity is shifted by the pole's frequency and averaged over a Hann window, which turns an exponential into
+    itself and keeps out tones more than two over its length away; the logarithm of the modulus is fitted by a line from
+    the end of the starting pulse to where the velocity passes `LINEAR_VELOCITY`. The window is half of that time, at
+    most 80 ms; if it is shorter than 20 ms, there is no growth to measure.
+    """
+    velocity, interval = _values(data, "wheel.v_lat"), sample_interval(data)
+    large = np.flatnonzero(np.abs(velocity) > LINEAR_VELOCITY)
+    begin, end = round(_SETTLED_S / interval), int(large[0]) if large.size else velocity.size
+    length = min(_WINDOW_S, (end - begin) * interval / 2)
+    unstable = poles.unstable().below(0.4 / interval)
+    if length < _SHORTEST_WINDOW_S or unstable.growth_rate.size == 0:
+        return ()
+    small = velocity[begin:end]
+    time, window = interval * np.arange(small.size), np.hanning(round(length / interval))
+    found = []
+    for f, rate in zip(unstable.frequency_hz, unstable.growth_rate, strict=True):
+        if rate >= unstable.growth_rate.max() / 3:
+            level = np.abs(fftconvolve(small * np.exp(-2j * np.pi * f * time), window, mode="valid"))
+            seen = np.polyfit(interval * np.arange(level.size), np.log(np.maximum(level, 1e-30)), 1)[0]
+            found.append(Growth(float(f), float(rate), float(seen)))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Sound of vibration: radiated power, pressure, WAV files."""

@@ -1,0 +1,296 @@
+"""Sound of the wheel by an engineering method: modal velocities and radiating areas in, power, pressure and levels out.
+
+After Thompson and Jones (J. Sound Vib. 253 (2002) 401-419): each mode radiates rho c (sigma_a A_a + sigma_r A_r) q'^2,
+with radiation ratios by number of nodal diameters for axial and radial motion. Modes add by power. The coefficients
+are not in the paper, so they are varied from `QUIET` to `LOUD` and the result comes with a band.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fmus.wheel.class158 import class158
+from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
+
+from ..errors import InputError
+from ..results.columns import MODAL_VELOCITIES, columns
+from ..signals.spectra import a_weighted, level, narrow_band, third_octaves, total
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
+
+Real = NDArray[np.float64]
+
+REFERENCE_PRESSURE = 2e-5
+"""Reference of sound pressure levels [Pa]."""
+
+REFERENCE_POWER = 1e-12
+"""Reference of sound power levels [W]."""
+
+LOWEST_BAND_HZ = 100.0
+"""Lowest one-third-octave band of a result [Hz]; nothing of a wheel radiates below."""
+
+_KAPPA = (1.90, 1.015, -0.0189)
+"""Coefficients of the reduced frequency k r at which the axial motion of n nodal diameters begins to radiate."""
+
+_SAME_FREQUENCY = 1e-3
+"""Relative distance of natural frequencies within which a wheel counts as one that is known."""
+
+
+@dataclass(frozen=True)
+class Radiation:
+    """How a wheel radiates and where it is heard.
+
+    Attributes
+    ----------
+    radius, tyre_width : of the wheel [m]
+    density, sound_speed : of the air [kg/m3, m/s]
+    distance : from the wheel to the receiver [m]
+    axial_factor, radial_factor : on the frequencies at which axial and radial motion begin to radiate [-]
+    radial_share : factor on the power of the radial motion [-]
+    directivity_db : level at the receiver above that of a source that radiates alike in all directions [dB]
+    ground_db : what a reflecting ground adds [dB]
+    """
+
+    radius: float = 0.42
+    tyre_width: float = 0.135
+    density: float = 1.2
+    sound_speed: float = 343.0
+    distance: float = 7.5
+    axial_factor: float = 1.0
+    radial_factor: float = 1.0
+    radial_share: float = 1.0
+    directivity_db: float = 0.0
+    ground_db: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        for name in ("radius", "tyre_width", "density", "sound_speed", "distance", "axial_factor", "radial_factor"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise InputError(f"{name} = {getattr(self, name):g}: must be > 0")
+
+    @property
+    def pressure_per_power(self) -> float:
+        """Mean-square pressure at the receiver per radiated power [Pa2/W]."""
+        spread = self.density * self.sound_speed / (4 * np.pi * self.distance**2)
+        return float(spread * 10 ** ((self.directivity_db + self.ground_db) / 10))
+
+
+QUIET: dict[str, float] = {"axial_factor": 1.15, "radial_factor": 2.0, "radial_share": 0.0}
+LOUD: dict[str, float] = {
+    "axial_factor": 0.85, "radial_factor": 0.5, "radial_share": 2.0, "directivity_db": 4.8, "ground_db": 3.0,
+}  # fmt: skip
+"""What makes the lower and the upper end of the band of a level, which is monotone in each: coefficients known from
+memory of the method or not at all; at the upper end also a receiver on the axis of a dipole and a hard ground."""
+
+
+def axial_ratio(frequency_hz: ArrayLike, nodal_diameters: int, radiation: Radiation) -> Real:
+    """Return the radiation ratio of axial motion.
+
+    Notes
+    -----
+    1/(1 + (f_c/f)^(2n+4)) with f_c = c kappa(n)/(2 pi r): the slope is that of a multipole of order n + 1.
+
+    >>> float(axial_ratio(1102.0, 3, Radiation()).round(3)), float(axial_ratio(418.34, 2, Radiation()).round(2))
+    (0.997, 0.19)
+    """
+    n = nodal_diameters
+    kappa = (_KAPPA[0] + _KAPPA[1] * n + _KAPPA[2] * n * n) * radiation.axial_factor
+    corner = radiation.sound_speed * kappa / (2 * np.pi * radiation.radius)
+    return _high_pass(frequency_hz, corner, 2 * n + 4)
+
+
+def radial_ratio(frequency_hz: ArrayLike, nodal_diameters: int, radiation: Radiation) -> Real:
+    """Return the radiation ratio of radial motion: of a narrow band of the tyre's width with n waves around it."""
+    n = nodal_diameters
+    width = radiation.radial_factor * radiation.sound_speed / (2 * np.pi * radiation.tyre_width)
+    around = radiation.radial_factor * n * radiation.sound_speed / (2 * np.pi * radiation.radius)
+    return _high_pass(frequency_hz, width, 2) * _high_pass(frequency_hz, around, 2 * n)
+
+
+def _high_pass(frequency_hz: ArrayLike, corner: float, order: int) -> Real:
+    """Return 1/(1 + (corner/f)^order), 0 at f = 0; 1 where there is no corner."""
+    f = np.asarray(frequency_hz, dtype=float)
+    if corner == 0:
+        return np.ones_like(f)
+    power = (f / corner) ** order
+    ratio: Real = power / (1 + power)
+    return ratio
+
+
+def power_per_velocity(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, radiation: Radiation) -> Real:
+    """Return the radiated power of one mode per mean-square modal velocity [W/(kg m2/s2)]."""
+    n = int(wheelset.nodal_diameters[mode])
+    axial = axial_ratio(frequency_hz, n, radiation) * wheelset.area_axial[mode]
+    radial = radiation.radial_share * radial_ratio(frequency_hz, n, radiation) * wheelset.area_radial[mode]
+    factor: Real = radiation.density * radiation.sound_speed * (axial + radial)
+    return factor
+
+
+def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
+    """Return the wheelset of a results file, whose radiating areas are needed.
+
+    Parameters
+    ----------
+    data : results with the wheel's parameters and modal velocities
+    wheel : name of a shipped wheelset or a file such as those in fmus/wheel/data; None: the shipped one that has the
+        natural frequencies, and most nearly the shapes, of the results
+
+    Raises
+    ------
+    InputError
+        If no wheelset fits.
+    """
+    count = len(columns("wheel", list(data.data_vars)))
+    if count == 0:
+        raise InputError(
+            f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
+            f"run again with --record '{MODAL_VELOCITIES}'"
+        )
+    if wheel is not None:
+        chosen = _named(wheel)
+        if len(chosen.modes) != count:
+            raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
+        return chosen
+    frequency, shape = _block(data, "frequency"), _block(data, "shape_lat")
+    fitting = [
+        candidate
+        for candidate in map(_named, shipped())
+        if len(candidate.modes) == count == frequency.size
+        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency, rtol=_SAME_FREQUENCY)
+    ]
+    if fitting:
+        return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
+    raise InputError(
+        f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
+        "give --wheel NAME or FILE.toml"
+    )
+
+
+def shipped() -> list[str]:
+    """Return the names of the wheelsets whose radiating areas are known."""
+    return [*sorted(path.stem for path in DATA.glob("*840.toml")), "class158"]
+
+
+def _named(wheel: str) -> Wheelset:
+    """Return the wheelset of a name or file."""
+    if wheel == "class158":
+        return class158()
+    path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
+    try:
+        return read_wheelset(path)
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
+
+
+def _block(data: xr.Dataset, block: str) -> Real:
+    """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
+    values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
+    return np.array([values[name] for name in sorted(values) if name.startswith(f"{block}_")], dtype=float)
+
+
+def _source(data: xr.Dataset) -> str:
+    return str(data.encoding.get("source", "the results"))
+
+
+def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
+    """Return the mean square of every modal velocity of the wheel by line, (mode, frequency) [kg m2/s2].
+
+    Parameters
+    ----------
+    data : results, or a part of them, with the modal velocities of the wheel
+    resolution_hz : distance of the lines [Hz]
+    """
+    import xarray as xr  # noqa: PLC0415
+
+    names = columns("wheel", list(data.data_vars))
+    return xr.concat([narrow_band(data[name].rename("modal_velocity"), resolution_hz) for name in names], dim="mode")
+
+
+def sound_power(spectra: xr.DataArray, wheelset: Wheelset, radiation: Radiation | None = None) -> xr.DataArray:
+    """Return the power that the wheel radiates by line [W].
+
+    Parameters
+    ----------
+    spectra : (mode, frequency) mean squares of the modal velocities
+    wheelset : radiating areas of the same modes
+    """
+    how = radiation or Radiation()
+    frequency, squares = np.asarray(spectra["frequency"]), np.asarray(spectra)
+    lines = np.zeros(frequency.size)
+    for n in np.unique(wheelset.nodal_diameters):
+        own = wheelset.nodal_diameters == n
+        lines += axial_ratio(frequency, int(n), how) * (wheelset.area_axial[own] @ squares[own])
+        lines += how.radial_share * radial_ratio(frequency, int(n), how) * (wheelset.area_radial[own] @ squares[own])
+    power = spectra.isel(mode=0, drop=True).copy(data=how.density * how.sound_speed * lines).rename("sound_power")
+    return power.assign_attrs(units="W", long_name="radiated sound power by line")
+
+
+def sound_pressure(power: xr.DataArray, radiation: Radiation | None = None) -> xr.DataArray:
+    """Return the mean-square pressure at the receiver by line [Pa2] of a spectrum of radiated power [W]."""
+    pressure = (power * (radiation or Radiation()).pressure_per_power).rename("sound_pressure")
+    return pressure.assign_attrs({**power.attrs, "units": "Pa^2", "long_name": "mean-square sound pressure by line"})
+
+
+@dataclass(frozen=True)
+class Sound:
+    """The sound of a run at the receiver.
+
+    Attributes
+    ----------
+    narrow : (frequency,) mean-square pressure by line [Pa2]
+    bands : (band,) level in one-third-octave bands, not weighted [dB]
+    level_dba : A-weighted level [dB(A)]; minus infinity for silence
+    low_dba, high_dba : the same between which the doubtful coefficients put it
+    power_db : sound power level [dB re 1 pW]
+    wheelset : whose radiating areas were taken
+    """
+
+    narrow: xr.DataArray
+    bands: xr.DataArray
+    level_dba: float
+    low_dba: float
+    high_dba: float
+    power_db: float
+    wheelset: str
+
+
+def sound_of(
+    data: xr.Dataset, wheel: str | None = None, radiation: Radiation | None = None, resolution_hz: float = 2.0
+) -> Sound:
+    """Return the sound of the second half of a run.
+
+    Raises
+    ------
+    InputError
+        If the results hold no modal velocities, are too short for the resolution, or belong to an unknown wheel.
+    """
+    wheelset, nominal = wheelset_of(data, wheel), radiation or Radiation()
+    spectra = modal_spectra(data.isel(time=slice(data.sizes["time"] // 2, None)), resolution_hz)
+
+    def pressure(how: Radiation) -> xr.DataArray:
+        return sound_pressure(sound_power(spectra, wheelset, how), how)
+
+    narrow = pressure(nominal)
+    with np.errstate(divide="ignore"):
+        power_db = float(10 * np.log10(total(narrow) / nominal.pressure_per_power / REFERENCE_POWER))
+    return Sound(
+        narrow=narrow,
+        bands=level(third_octaves(narrow, LOWEST_BAND_HZ), REFERENCE_PRESSURE),
+        level_dba=_dba(narrow),
+        low_dba=_dba(pressure(replace(nominal, **QUIET))),
+        high_dba=_dba(pressure(replace(nominal, **LOUD))),
+        power_db=power_db,
+        wheelset=wheelset.title,
+    )
+
+
+def _dba(pressure: xr.DataArray) -> float:
+    """Return the A-weighted level of a spectrum of pressure [dB(A)]."""
+    return float(level(a_weighted(pressure).sum(), REFERENCE_PRESSURE))

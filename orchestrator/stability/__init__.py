@@ -1,0 +1,1 @@
+"""Linear analysis: poles, eigenloci, growth rates of a scheme."""

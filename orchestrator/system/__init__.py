@@ -1,0 +1,1 @@
+"""What a system is, and reading one from SSP and SSD files."""

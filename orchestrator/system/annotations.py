@@ -1,0 +1,105 @@
+"""What a system structure says of the simulation: the default experiment, and annotations of ours and of other tools.
+
+SSP leaves step sizes and master algorithms to annotations. Ours are in docs/conventions.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lxml import etree
+
+from .xml import SSC, SSD, Document, local
+
+_OURS = "{urn:curvesqueal:ssp}"
+_STEPS = (
+    ("{http://opensimulationplatform.com/SSP/OSPAnnotations}FixedStepAlgorithm", "baseStepSize"),
+    ("{https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd}FixedStepMaster", "stepSize"),
+)
+"""Elements and attributes in which other tools keep the communication step, in the order in which they are tried."""
+
+
+@dataclass(frozen=True)
+class ExperimentSettings:
+    """How the file wants the system simulated.
+
+    Attributes
+    ----------
+    start, stop : default experiment [s]; stop None if not told
+    step_size : communication step [s], None if not told
+    algorithm : name of the master algorithm, None if not told
+    """
+
+    start: float = 0.0
+    stop: float | None = None
+    step_size: float | None = None
+    algorithm: str | None = None
+
+
+def read_settings(document: Document) -> ExperimentSettings:
+    """Return the settings of the whole system.
+
+    Raises
+    ------
+    InputError
+        If an annotation of ours holds what it should not.
+    """
+    experiment = document.root.find(f"{SSD}DefaultExperiment")
+    start, stop = 0.0, None
+    if experiment is not None:
+        start = document.number(experiment, "startTime", 0.0)
+        stop = document.number(experiment, "stopTime", 0.0) if experiment.get("stopTime") is not None else None
+    holders = [node for node in (experiment, document.root, document.root.find(f"{SSD}System")) if node is not None]
+    ours = _own(document, holders, "Master", ("stepSize", "algorithm"))
+    for stray in document.root.iter(f"{_OURS}Master"):
+        if stray is not ours:
+            raise document.error(stray, "only one is read, in DefaultExperiment, at the root or in its System")
+    step = None if ours is None else ours.get("stepSize")
+    node = ours
+    for tag, attribute in _STEPS:
+        if step is None:
+            node = next(document.root.iter(tag), None)
+            step = None if node is None else node.get(attribute)
+    return ExperimentSettings(
+        start, stop, None if step is None else _positive(document, node, step),
+        None if ours is None else ours.get("algorithm"),
+    )  # fmt: skip
+
+
+def read_stage(document: Document, component: etree._Element) -> int | None:
+    """Return the place in the order of stepping that an annotation gives a component, None if none does."""
+    ours = _own(document, [component], "Component", ("stage",))
+    if ours is None or ours.get("stage") is None:
+        return None
+    text = ours.get("stage")
+    if not text.isdecimal():
+        raise document.error(ours, f"stage = {text!r}: must be a whole number, 0 or larger")
+    return int(text)
+
+
+def _own(
+    document: Document, holders: list[etree._Element], name: str, attributes: tuple[str, ...]
+) -> etree._Element | None:
+    """Return our annotation of some element; what is in it and not known is an error."""
+    for holder in holders:
+        for annotation in holder.iterfind(f"{SSD}Annotations/{SSC}Annotation"):
+            for node in annotation:
+                if not node.tag.startswith(_OURS):
+                    continue
+                unknown = [key for key in node.attrib if key not in attributes]
+                if local(node) != name or unknown or len(node):
+                    what = f"attribute {unknown[0]!r}" if unknown else f"element {local(node)!r}"
+                    raise document.error(node, f"{what} of the annotation is not known")
+                return node
+    return None
+
+
+def _positive(document: Document, node: etree._Element, text: str) -> float:
+    """Return a step size."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise document.error(node, f"step size {text!r}: must be a number > 0")
+    return value

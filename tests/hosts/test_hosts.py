@@ -1,0 +1,131 @@
+"""The native SSP in hosts that are not ours: ecos, libcosim and the container of the FMU Manipulation Toolbox.
+
+All of them couple by Jacobi, so they must give the numbers of our `jacobi`. They make no exchange after the
+initialisation; the runs start from rest, where that changes nothing.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from fmus.cases import read_cases
+from fmus.interface import connections
+from orchestrator.coupling.assembly import assemble
+from orchestrator.coupling.master import Master, Settings
+from orchestrator.system.reader import read_system
+
+H = 5e-6
+STEPS = 400
+WATCHED = ("contact.wheel_f_lat", "contact.wheel_f_ver", "contact.normal_force", "contact.tangential_force_lat")
+
+LIBCOSIM = """
+import json, os, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+from libcosimpy.CosimObserver import CosimObserver
+log_output_level(CosimLogLevel.ERROR)
+execution = CosimExecution.from_ssp_file(ssp_path=sys.argv[1], step_size=int(sys.argv[2]))
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer=observer)
+contact = execution.slave_index_from_instance_name("contact")
+assert execution.step(int(sys.argv[3]))
+values = observer.last_real_values(slave_index=contact, variable_references=json.loads(sys.argv[4]))
+print("RESULT" + json.dumps(list(values)), flush=True)
+os._exit(0)
+"""
+
+
+@pytest.fixture(scope="module")
+def expected(native: Path) -> np.ndarray:
+    """Return the watched outputs after all steps of our own Jacobi master."""
+    with Master(assemble(read_system(native / "curvesqueal.ssp")), Settings(H, STEPS * H, "jacobi")) as master:
+        master.run()
+        names = [f"{component}.{variable}" for component, variable in master.outputs]
+        values: np.ndarray = master.plan.y[[names.index(name) for name in WATCHED]].copy()
+    assert abs(values[0]) > 1.0
+    return values
+
+
+def package(name: str) -> Path:
+    """Return the folder of an installed package, or skip."""
+    spec = importlib.util.find_spec(name)
+    if spec is None or spec.origin is None:
+        pytest.skip(f"needs {name}")
+    return Path(spec.origin).parent
+
+
+def test_the_program_ecos_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
+    """A program in C++ with no Python in it; it writes six decimals."""
+    for file in (package("ecospy") / "binaries").iterdir():
+        shutil.copy(file, tmp_path)
+    program = tmp_path / "ecos"
+    program.chmod(0o755)
+    command = [
+        str(program), "simulate", "--path", str(native / "curvesqueal.ssp"), "--stopTime", repr((STEPS + 0.5) * H),
+        "--stepSize", repr(H), "--parameterSet", "initialValues", "--noParallel", "--logLevel", "err",
+    ]  # fmt: skip
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    if "libtbb" in done.stderr:
+        pytest.skip("ecos needs the Debian package libtbb12")
+    assert done.returncode == 0, done.stderr[-2000:]
+    with next(tmp_path.glob("*.csv")).open() as table:
+        rows = list(csv.DictReader(table, skipinitialspace=True))
+    last = next(row for row in rows if int(row["iterations"]) == STEPS)
+    found = [float(last[name.replace(".", "::") + "[REAL]"]) for name in WATCHED]
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-5)
+
+
+def test_libcosim_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
+    package("libcosimpy")
+    folder = tmp_path / "ssp"
+    shutil.unpack_archive(native / "curvesqueal.ssp", folder, "zip")
+    description = fmpy.read_model_description(str(native / "contact.fmu"))
+    reference = {v.name: v.valueReference for v in description.modelVariables}
+    wanted = json.dumps([reference[name.removeprefix("contact.")] for name in WATCHED])
+    done = subprocess.run(
+        [sys.executable, "-c", LIBCOSIM, str(folder), str(round(H * 1e9)), str(STEPS), wanted],
+        capture_output=True, text=True, check=False, timeout=300,
+    )  # fmt: skip
+    line = next((text for text in done.stdout.splitlines() if text.startswith("RESULT")), None)
+    assert line is not None, done.stderr[-2000:]
+    np.testing.assert_allclose(json.loads(line.removeprefix("RESULT")), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_container_of_the_fmu_manipulation_toolbox_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
+    """The toolbox makes one FMU of the three; FMPy runs it.
+
+    Its import of SSPs leaves parameter sets out, so the system is given in its own format.
+    """
+    package("fmu_manipulation_toolbox")
+    for name in ("wheel", "rail", "contact"):
+        shutil.copy(native / f"{name}.fmu", tmp_path)
+    system = {
+        "name": "coupled.fmu",
+        "step_size": H,
+        "fmu": ["wheel.fmu", "rail.fmu", "contact.fmu"],
+        "link": [
+            [f"{c.start_element}.fmu", c.start_connector, f"{c.end_element}.fmu", c.end_connector]
+            for c in connections()
+        ],
+        "output": [["contact.fmu", name.removeprefix("contact."), name.removeprefix("contact.")] for name in WATCHED],
+        "start": [["contact.fmu", name, value] for name, value in read_cases()[0].contact.items()],
+    }
+    (tmp_path / "coupled.json").write_text(json.dumps(system))
+    program = Path(sys.executable).parent / "fmucontainer"
+    command = [str(program), "-container", "coupled.json", "-fmu-directory", "."]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    file = tmp_path / "coupled.fmu"
+    assert file.is_file(), done.stderr[-2000:]
+    names = [name.removeprefix("contact.") for name in WATCHED]
+    result = fmpy.simulate_fmu(str(file), stop_time=STEPS * H, step_size=H, output_interval=H, output=names)
+    np.testing.assert_allclose([result[n][-1] for n in names], expected, rtol=1e-6, atol=1e-6)
