@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from fmus.modal.modes import Modes
+
+from ..coupling.assembly import Assembly
+from ..runs.identity import component
 from ..stability.analysis import REPORTED_BELOW_HZ
 from ..stability.poles import Poles
-from ..stability.scheme import modal_system
+from ..stability.scheme import modal_system, modes_of
 from .prepared import Prepared
 from .rows import Number, Quantity
+
+MOST_KEPT = 100
+"""Structures whose modes a process keeps."""
 
 PLACES = 12
 """Unstable poles that a row has room for."""
@@ -30,7 +37,18 @@ def linear(prepared: Prepared) -> dict[str, Number]:
     InputError
         If its linear behaviour is not known.
     """
-    return described(modal_system(prepared.assembly).poles)
+    kept = prepared.workshop
+
+    def modes(assembly: Assembly, name: str) -> Modes:
+        key = component(assembly.fmus[name], assembly.parameters[name])
+        if key not in kept.modes:
+            if len(kept.modes) >= MOST_KEPT:
+                kept.modes.clear()
+            kept.modes[key] = modes_of(assembly, name)
+        return kept.modes[key]
+
+    model = modal_system(prepared.assembly, modes)
+    return described(kept.poles.poles(model.wheel, model.rail, model.contact))
 
 
 def described(poles: Poles) -> dict[str, Number]:

@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from fmus.modal.modes import Modes
+
 from ..archive import cache_folder, sha256
 from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.settings import Settings
@@ -19,6 +21,7 @@ from ..errors import InputError
 from ..fmi.instance import Fmu, Value
 from ..runs.competition import mode_start
 from ..runs.scenario import random_start
+from ..stability.tracking import TrackedPoles
 from ..system.cases import find_system
 from ..system.model import Element, System, listing
 from ..system.values import component_values
@@ -54,9 +57,13 @@ class Workshop:
     Attributes
     ----------
     assemblies : by the checksums in the places of the components
+    modes : of structures, by the hash of FMU and values
+    poles : of the system that was looked at last
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
+    modes: dict[str, Modes] = field(default_factory=dict)
+    poles: TrackedPoles = field(default_factory=TrackedPoles)
 
 
 @dataclass(frozen=True)

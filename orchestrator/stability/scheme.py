@@ -7,7 +7,7 @@ the contact. Other FMUs do not show their equations; for them it is said why the
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -159,8 +159,13 @@ def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
     return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step))
 
 
-def modal_system(assembly: Assembly) -> ModalSystem:
+def modal_system(assembly: Assembly, modes: Callable[[Assembly, str], Modes] | None = None) -> ModalSystem:
     """Return the linear model of a system of this project's components, with the values that are set.
+
+    Parameters
+    ----------
+    assembly : the system
+    modes : gives the modes of a component of it; one that remembers them saves time
 
     Raises
     ------
@@ -169,10 +174,9 @@ def modal_system(assembly: Assembly) -> ModalSystem:
         sentence says which.
     """
     names = _places(assembly)
-    values = {place: _numbers(assembly, name) for place, name in names.items()}
-    wheel, rail = (modes_from_parameters(names[s], values[s]) for s in STRUCTURES)
+    wheel, rail = ((modes or modes_of)(assembly, names[s]) for s in STRUCTURES)
     known = {p.name for p in PARAMETERS}
-    law = {name: value for name, value in values["contact"].items() if name in known}
+    law = {name: value for name, value in _numbers(assembly, names["contact"]).items() if name in known}
     missing = sorted(known - law.keys())
     if missing:
         raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
@@ -234,6 +238,17 @@ def _numbers(assembly: Assembly, name: str) -> dict[str, float]:
         if value is not None:
             values[parameter] = float(value)
     return values
+
+
+def modes_of(assembly: Assembly, name: str) -> Modes:
+    """Return the modes of a component with the values that are set.
+
+    Raises
+    ------
+    InputError
+        If it shows none.
+    """
+    return modes_from_parameters(name, _numbers(assembly, name))
 
 
 def modes_from_parameters(name: str, values: Mapping[str, float]) -> Modes:
