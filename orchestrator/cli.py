@@ -19,6 +19,7 @@ from .commands.info import info
 from .commands.listen import listen
 from .commands.map import map
 from .commands.paper import paper
+from .commands.rail_measured import measured as rail_measured
 from .commands.report import report
 from .commands.run import resume, run
 from .commands.stability import stability
@@ -44,12 +45,13 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     build, run, resume, info, friction, check, export, coupling, stability, table4, listen, report, competition, paper,
     sweep, map,
 )  # fmt: skip
-RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.measured, rail.build, rail.regenerate)
+RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.build, rail.regenerate)
 WHEEL_COMMANDS: tuple[Callable[..., None], ...] = (wheel.build, wheel.figures)
 for command in COMMANDS:
     app.command()(command)
 for command in RAIL_COMMANDS:
     rails.command()(command)
+rails.command("measured")(rail_measured)
 for command in WHEEL_COMMANDS:
     wheels.command()(command)
 app.add_typer(rails, name="rail")
