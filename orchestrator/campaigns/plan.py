@@ -21,7 +21,7 @@ STAGES = ("linear", "cycles", "time")
 _TABLES: Mapping[str, tuple[str, ...]] = {
     "system": ("case", "file", "step", "duration", "algorithm", "set", "replace", "seed"),
     "sample": ("method", "n", "seed", "file"),
-    "compute": ("stage", "timeout_s", "attempts", "record_every"),
+    "compute": ("stage", "timeout_s", "attempts", "record_every", "sound"),
 }
 
 
@@ -75,12 +75,14 @@ class Compute:
     timeout_s : wall time after which a run counts as one that hangs
     attempts : how many worker processes a run may take with it until it counts as the cause
     record_every : of a simulated run, every this many steps are looked at
+    sound : whether a simulated run is asked for its level in dB(A) and its mode
     """
 
     stages: tuple[str, ...] = ("linear",)
     timeout_s: float = 3600.0
     attempts: int = 4
     record_every: int = 8
+    sound: bool = True
 
 
 @dataclass(frozen=True)
@@ -318,4 +320,7 @@ def _compute(table: Mapping[str, Any]) -> Compute:
         if not isinstance(value, int) or isinstance(value, bool) or value < 1:
             raise InputError(f"[compute] {key} = {value}: must be a whole number >= 1")
     attempts = table.get("attempts", Compute.attempts)
-    return Compute(stages, float(timeout), attempts, table.get("record_every", Compute.record_every))
+    if not isinstance(table.get("sound", True), bool):
+        raise InputError(f"[compute] sound = {table['sound']}: must be true or false")
+    every = table.get("record_every", Compute.record_every)
+    return Compute(stages, float(timeout), attempts, every, table.get("sound", True))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fmus.modal.modes import Modes
+from fmus.wheel.wheelset import Wheelset
 
 from ..archive import cache_folder, sha256
 from ..coupling.assembly import Assembly, assemble, open_fmus
@@ -59,11 +60,13 @@ class Workshop:
     assemblies : by the checksums in the places of the components
     modes : of structures, by the hash of FMU and values
     poles : of the system that was looked at last
+    wheelsets : by the hash of FMU and values; None: not known
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
     modes: dict[str, Modes] = field(default_factory=dict)
     poles: TrackedPoles = field(default_factory=TrackedPoles)
+    wheelsets: dict[str, Wheelset | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,8 @@ def pack(plan: Plan) -> tuple[Campaign, dict[str, bytes]]:
     if duration is None:
         raise InputError(f"{plan.base.system}: says no stop time; give [system] duration")
     every = plan.compute.record_every
-    settings = Settings(step, duration, plan.base.algorithm or system.algorithm or "staggered", every, ())
+    record = None if plan.compute.sound else ()
+    settings = Settings(step, duration, plan.base.algorithm or system.algorithm or "staggered", every, record)
     files = {name: element.source for name, element in system.elements.items()}
     asked = {text: _file(text) for text in _asked(plan)}
     checksums = {path: sha256(path) for path in {*files.values(), *asked.values()}}

@@ -6,6 +6,7 @@ import ctypes
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 from ..errors import InputError, SimulationError
 from ..fmi.instance import STATUS, FmuInstance, Value
 from ..probing.mobility import with_step
-from ..results.file import ResultsFile
 from . import loop, recording
 from .algorithms import find_algorithm, stages
 from .assembly import Assembly
@@ -28,6 +28,13 @@ Rows = NDArray[np.float64]
 
 CHUNK_SECONDS = 0.1
 """Wall time between two returns from the compiled loop, for progress, stop requests and recording."""
+
+
+class Recorder(Protocol):
+    """What takes the rows of a run, such as a results file."""
+
+    def append(self, times: Rows, rows: Rows) -> None:
+        """Take rows, (n, signals), recorded at times (n,)."""
 
 
 class Master:
@@ -165,7 +172,7 @@ class Master:
 
     def run(
         self,
-        results: ResultsFile | None = None,
+        results: Recorder | None = None,
         report: Callable[[Progress], None] = lambda _: None,
         stop_requested: Callable[[], bool] = lambda: False,
         steps: int | None = None,

@@ -66,7 +66,7 @@ def _fetch(plan, more, row):  # type: ignore[no-untyped-def]
     return 0, 0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def advance(plan, more, clock, steps, every, record):  # type: ignore[no-untyped-def]
     """Do what `loop.advance` does, and fetch the further variables whenever a row is recorded.
 

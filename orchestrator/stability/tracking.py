@@ -87,7 +87,7 @@ class TrackedPoles:
     def _upper(self, block: _Block, key: bytes) -> Complex:
         """Return the roots of a block with imaginary part above 0."""
         if key in self.roots:
-            upper, real = (part.copy() for part in self.roots[key])
+            upper, real = self.roots[key][0].copy(), self.roots[key][1].copy()
             if _improve(upper, real, block, CLOSE, _SWEEPS) and _complete(upper, real, block):
                 self.roots[key] = upper, real
                 return upper
