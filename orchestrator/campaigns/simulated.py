@@ -29,8 +29,9 @@ QUIET = 0.01
 """Lateral rms of the wheel, relative to the sliding velocity, below which a run does not squeal. A limit cycle reaches
 the sliding velocity; what a stable system has left of its start is far below."""
 
-COARSEST_HZ = 2.0
-"""Distance of the lines of a spectrum, unless the run is too short for it [Hz]."""
+RESOLUTION_HZ = 2.0
+COARSEST_HZ = 7.5
+"""Distance of the lines of a spectrum, and the largest one from which bands can be made where a run is short [Hz]."""
 
 QUANTITIES = (
     Quantity("squeals", "1", "1 if the wheel vibrates laterally at the end of the run, 0 if not"),
@@ -142,8 +143,9 @@ def _heard(data: xr.Dataset, wheelset: Wheelset | None) -> dict[str, Number]:
     if squares:
         k = int(np.argmax(squares))
         found["mode"] = str(k + 1) if wheelset is None or not wheelset.modes.labels else wheelset.modes.labels[k]
-    if wheelset is not None and len(wheelset.modes) == len(velocities):
-        sound = sound_of(data, wheelset, resolution_hz=max(COARSEST_HZ, 1.001 / duration))
+    resolution = max(RESOLUTION_HZ, 1.001 / duration)
+    if wheelset is not None and len(wheelset.modes) == len(velocities) and resolution <= COARSEST_HZ:
+        sound = sound_of(data, wheelset, resolution_hz=resolution)
         levels = (sound.level_dba, sound.low_dba, sound.high_dba)
         found.update(zip(("level", "level_low", "level_high"), levels, strict=True))
     return found
