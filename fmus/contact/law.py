@@ -3,8 +3,8 @@
 import math
 
 from ..compile import kernel
-from .fastsim import fastsim
-from .friction import falling_factor
+from ..creep.fastsim import fastsim
+from ..creep.friction import falling_factor
 from .layout import SCRATCH, D
 from .parameters import P
 
@@ -47,7 +47,8 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
         creep_lon,
         creep_lat,
         creep_spin,
-        parameters[P.mu0] * load / derived[D.volume],
+        parameters[P.mu0] * load,
+        derived[D.volume],
         parameters[P.semi_axis_lon],
         parameters[P.semi_axis_lat],
         derived[D.L1],

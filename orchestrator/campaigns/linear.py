@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from fmus.modal.modes import Modes
-
-from ..coupling.assembly import Assembly
-from ..runs.identity import component
 from ..stability.analysis import REPORTED_BELOW_HZ
-from ..stability.poles import Poles
-from ..stability.scheme import modal_system, modes_of
-from .prepared import Prepared
+from ..stability.linear_model import model_of_assembly
+from ..stability.poles import Poles, Structure
+from .prepared import Prepared, structure_key
 from .rows import Number, Quantity
 
 MOST_KEPT = 100
-"""Structures whose modes a process keeps."""
+"""Structures that a process keeps."""
 
 PLACES = 12
 """Unstable poles that a row has room for."""
@@ -37,18 +35,20 @@ def linear(prepared: Prepared) -> dict[str, Number]:
     InputError
         If its linear behaviour is not known.
     """
-    kept = prepared.workshop
+    assembly, kept = prepared.assembly, prepared.workshop
 
-    def modes(assembly: Assembly, name: str) -> Modes:
-        key = component(assembly.fmus[name], assembly.parameters[name])
-        if key not in kept.modes:
-            if len(kept.modes) >= MOST_KEPT:
-                kept.modes.clear()
-            kept.modes[key] = modes_of(assembly, name)
-        return kept.modes[key]
+    def remember(name: str, find: Callable[[], Structure]) -> Structure:
+        key = structure_key(assembly.fmus[name], assembly.parameters[name])
+        if key not in kept.structures:
+            if len(kept.structures) >= MOST_KEPT:
+                kept.structures.clear()
+            kept.structures[key] = find()
+        return kept.structures[key]
 
-    model = modal_system(prepared.assembly, modes)
-    return described(kept.poles.poles(model.wheel, model.rail, model.contact))
+    model = model_of_assembly(assembly, prepared.settings.step, remember)
+    if model.identified:
+        return described(model.poles)
+    return described(kept.poles.poles(*model.modal(), model.contact))
 
 
 def described(poles: Poles) -> dict[str, Number]:

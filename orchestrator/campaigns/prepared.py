@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from fmus.modal.modes import Modes
+from fmus.interface import INITIAL_VELOCITY
 from fmus.wheel.wheelset import Wheelset
 
 from ..archive import cache_folder, sha256
@@ -21,7 +21,9 @@ from ..coupling.settings import Settings
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value
 from ..runs.competition import mode_start
+from ..runs.identity import component
 from ..runs.scenario import random_start
+from ..stability.poles import Structure
 from ..stability.tracking import TrackedPoles
 from ..system.cases import find_system
 from ..system.model import Element, System, listing
@@ -58,13 +60,13 @@ class Workshop:
     Attributes
     ----------
     assemblies : by the checksums in the places of the components
-    modes : of structures, by the hash of FMU and values
+    structures : what is known of them, by the hash of FMU and values
     poles : of the system that was looked at last
     wheelsets : by the hash of FMU and values; None: not known
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
-    modes: dict[str, Modes] = field(default_factory=dict)
+    structures: dict[str, Structure] = field(default_factory=dict)
     poles: TrackedPoles = field(default_factory=TrackedPoles)
     wheelsets: dict[str, Wheelset | None] = field(default_factory=dict)
 
@@ -220,6 +222,11 @@ def _with(assembly: Assembly, values: Mapping[str, Mapping[str, Value]]) -> Asse
 def _converted(element: Element, changed: Mapping[str, object], fmu: Fmu) -> dict[str, Value]:
     own = {k: p for k, p in element.parameters.items() if k in changed}
     return component_values(replace(element, parameters=own), fmu).values
+
+
+def structure_key(fmu: Fmu, values: Mapping[str, Value]) -> str:
+    """Return the hash of an FMU and its values but for how it starts."""
+    return component(fmu, {name: value for name, value in values.items() if not name.startswith(INITIAL_VELOCITY)})
 
 
 def _started(assembly: Assembly, frequency_hz: float) -> Assembly:

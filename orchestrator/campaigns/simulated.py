@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.interface import INITIAL_VELOCITY
+from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
 from ..coupling.master import Master
 from ..errors import InputError
-from ..results.columns import columns
 from ..runs.attributes import all_parameters
-from ..runs.identity import component
 from ..signals.summary import sample_interval, summarise
 from ..sound.radiation import sound_of, wheelset_of
-from .prepared import Prepared
+from .prepared import Prepared, structure_key
 from .rows import Number, Quantity
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -123,7 +121,7 @@ def _wheelset(prepared: Prepared, master: Master, data: xr.Dataset) -> Wheelset 
     known, fmus = prepared.workshop.wheelsets, master.assembly.fmus
     if "wheel" not in fmus:
         return None
-    key = component(fmus["wheel"], {k: v for k, v in master.parameters["wheel"].items() if INITIAL_VELOCITY not in k})
+    key = structure_key(fmus["wheel"], master.parameters["wheel"])
     if key not in known:
         about = json.dumps(all_parameters({"wheel": fmus["wheel"]}, master.parameters))
         try:
@@ -135,7 +133,7 @@ def _wheelset(prepared: Prepared, master: Master, data: xr.Dataset) -> Wheelset 
 
 def _heard(data: xr.Dataset, wheelset: Wheelset | None) -> dict[str, Number]:
     """Return the level and its band, and the mode that moves most."""
-    velocities = columns("wheel", list(data.data_vars))
+    velocities = modal_velocities("wheel", data.data_vars)
     half = data.isel(time=slice(data.sizes["time"] // 2, None))
     duration = half.sizes["time"] * sample_interval(data)
     squares = [float(np.square(half[name].to_numpy()).mean()) for name in velocities]

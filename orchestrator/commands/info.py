@@ -86,8 +86,8 @@ def _variables(variables: list[dict[str, Any]]) -> Table:
 
 
 def _family(name: str) -> str:
-    """Return the name of a numbered variable without its number."""
-    return re.sub(r"_\d+$", "_*", name)
+    """Return the name of a numbered variable, or of an array's element, without its number."""
+    return re.sub(r"_\d+$|\[[\d,]+\]$", "_*", name)
 
 
 def info(

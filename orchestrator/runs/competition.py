@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from fmus.interface import INITIAL_VELOCITY
+from fmus.modal.parameters import names_of
 
 from ..coupling.assembly import Assembly
 from ..coupling.master import Master
@@ -155,17 +156,20 @@ def mode_start(wheel: Fmu, parameters: Mapping[str, object], frequency_hz: float
         given = parameters.get(name, wheel.variables[name].start)
         return float(str(given))
 
-    numbers = [name.removeprefix("frequency_") for name in wheel.names("parameter") if name.startswith("frequency_")]
-    lateral = {n: abs(value(f"shape_lat_{n}")) for n in numbers if f"shape_lat_{n}" in wheel.variables}
-    near = {n: a for n, a in lateral.items() if a > 0 and abs(value(f"frequency_{n}") / frequency_hz - 1) < _NEAR}
+    shown = wheel.names("parameter")
+    frequency, shape, start = (names_of(block, shown) for block in ("frequency", "shape_lat", INITIAL_VELOCITY))
+    if not frequency.keys() <= shape.keys() & start.keys() or not frequency:
+        raise InputError(f"--start-mode {frequency_hz:g}: the wheel shows no modes, so there is none to start on")
+    lateral = {n: abs(value(shape[n])) for n in frequency}
+    near = {n: a for n, a in lateral.items() if a > 0 and abs(value(frequency[n]) / frequency_hz - 1) < _NEAR}
     if not near:
-        audible = sorted(value(f"frequency_{n}") for n, a in lateral.items() if a > 0.3 * max(lateral.values()))
+        audible = sorted(value(frequency[n]) for n, a in lateral.items() if a > 0.3 * max(lateral.values()))
         raise InputError(
             f"--start-mode {frequency_hz:g}: the wheel has no lateral mode within 2 % of {frequency_hz:g} Hz; "
             f"its strong ones are at {', '.join(f'{f:.0f}' for f in audible[:12])} Hz"
         )
     chosen = max(near, key=lambda n: near[n])
-    return {f"{INITIAL_VELOCITY}_{chosen}": START_VELOCITY / near[chosen]}
+    return {start[chosen]: START_VELOCITY / near[chosen]}
 
 
 def _checksums(assembly: Assembly) -> str:

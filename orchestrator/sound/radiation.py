@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.modal.parameters import block_of, modal_velocities
 from fmus.wheel.class158 import class158
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
 from ..errors import InputError
-from ..results.columns import MODAL_VELOCITIES, columns
+from ..results.columns import MODAL_VELOCITIES
 from ..signals.spectra import a_weighted, level, narrow_band, third_octaves, total
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -149,7 +150,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheels
     """
     if isinstance(wheel, Wheelset):
         return wheel
-    count = len(columns("wheel", list(data.data_vars)))
+    count = len(modal_velocities("wheel", data.data_vars))
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
@@ -194,7 +195,7 @@ def _named(wheel: str) -> Wheelset:
 def _block(data: xr.Dataset, block: str) -> Real:
     """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
     values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
-    return np.array([values[name] for name in sorted(values) if name.startswith(f"{block}_")], dtype=float)
+    return block_of(block, values)
 
 
 def _source(data: xr.Dataset) -> str:
@@ -211,10 +212,9 @@ def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
     """
     import xarray as xr  # noqa: PLC0415
 
-    names = columns("wheel", list(data.data_vars))
+    names = modal_velocities("wheel", data.data_vars)
     values = np.stack([data[name].to_numpy() for name in names])
-    coordinates = {"time": data["time"]}
-    velocity = xr.DataArray(values, coordinates, ("mode", "time"), "modal_velocity", data[names[0]].attrs)
+    velocity = xr.DataArray(values, {"time": data["time"]}, ("mode", "time"), "modal_velocity", data[names[0]].attrs)
     return narrow_band(velocity, resolution_hz)
 
 

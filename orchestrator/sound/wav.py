@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.signal import resample_poly
 
+from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
-from ..results.columns import columns
 from ..signals.spectra import sample_interval_of, total
 from .radiation import REFERENCE_PRESSURE, Radiation, modal_spectra, power_per_velocity, sound_power, wheelset_of
 
@@ -72,7 +72,7 @@ def pressure_of(data: xr.Dataset, wheel: str | None = None, radiation: Radiation
         too low a rate for the wheel's modes, or do not vibrate.
     """
     wheelset, how = wheelset_of(data, wheel), radiation or Radiation()
-    names = columns("wheel", list(data.data_vars))
+    names = modal_velocities("wheel", data.data_vars)
     interval = sample_interval_of(data[names[0]])
     _require(data, wheelset, interval)
     sum_of_modes = _filtered_sum(data, names, wheelset, how, interval)
