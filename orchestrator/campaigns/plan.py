@@ -284,6 +284,8 @@ def _sample(table: Mapping[str, Any], folder: Path) -> Sample:
         )  # fmt: skip
     if n is not None and (not isinstance(n, int) or isinstance(n, bool) or not 1 <= n <= MOST_RUNS):
         raise InputError(f"[sample] n = {n}: must be a whole number from 1 to {MOST_RUNS:.0e}")
+    if method == "saltelli" and n is not None and n & (n - 1):
+        raise InputError(f"[sample] n = {n}: Saltelli's scheme needs a power of 2")
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
         raise InputError(f"[sample] seed = {seed}: must be a whole number >= 0")
     if (method == "table") != ("file" in table):

@@ -109,7 +109,7 @@ def _forces(contact: LinearContact) -> tuple[Real, Real]:
 
 def _coupled(motion: Real, forces: Real) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """Return modes and directions of each part that does not couple with the others."""
-    reach = (motion.T @ motion + forces + np.eye(len(forces))) != 0
+    reach = (motion.T @ motion + forces + forces.T + np.eye(len(forces))) != 0
     for _ in range(2):
         reach = reach @ reach  # four directions: after four steps everything is reached
     parts = []
