@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..component import Component, Variable
+from ..errors import DataError
 from ..interface import (
     DEFAULT_STEP,
     DIRECTIONS,
@@ -34,7 +35,7 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     """
     n = len(modes) if capacity is None else capacity
     if n < len(modes):
-        raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
+        raise DataError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
     parameters = _modal_parameters(modes, n)
     moving = tuple(v.name for v in parameters if v.name.startswith((*SHAPES, INITIAL_VELOCITY)))
     step = Variable(

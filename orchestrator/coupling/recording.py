@@ -35,7 +35,7 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     for pattern in wanted or ():
         if not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
             raise InputError(
-                f"--record {pattern}: matches no output and no real local variable; "
+                f"record {pattern}: matches no output and no real local variable; "
                 f"a pattern looks like {MODAL_VELOCITIES}"
             )
     chosen = (MODAL_VELOCITIES,) if wanted is None else wanted

@@ -53,12 +53,12 @@ class Scenario:
         system = find_system(self.system)
         step = self.step if self.step is not None else system.step_size
         if step is None:
-            raise InputError(f"{self.system}: says no step size; give --step")
+            raise InputError(f"{self.system}: says no step size; give a step size")
         duration = self.duration
         if duration is None:
             duration = system.stop - system.start if system.stop is not None else None
         if duration is None:
-            raise InputError(f"{self.system}: says no stop time; give --duration")
+            raise InputError(f"{self.system}: says no stop time; give a duration")
         algorithm = self.algorithm or system.algorithm or "staggered"
         settings = Settings(step, duration, algorithm, self.record_every, self.record, self.timeout)
         system = system.with_sources(dict(self.sources))

@@ -154,12 +154,12 @@ def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheels
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again with --record '{MODAL_VELOCITIES}'"
+            f"run again and record '{MODAL_VELOCITIES}'"
         )
     if wheel is not None:
         chosen = _named(wheel)
         if len(chosen.modes) != count:
-            raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
+            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return chosen
     frequency, shape = _block(data, "frequency"), _block(data, "shape_lat")
     fitting = [
@@ -172,7 +172,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheels
         return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "give --wheel NAME or FILE.toml"
+        "name a wheel, or give its file"
     )
 
 
@@ -189,7 +189,7 @@ def _named(wheel: str) -> Wheelset:
     try:
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
+        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
 def _block(data: xr.Dataset, block: str) -> Real:

@@ -101,7 +101,7 @@ def _require(data: xr.Dataset, wheelset: Wheelset, interval: float) -> None:
         needed = int(0.5 / (highest * float(data.attrs.get("step_s", interval))))
         raise InputError(
             f"{_name(data)}: recorded at {1 / interval:.0f} Hz, too slow for modes up to {highest:.0f} Hz; "
-            f"run again with --record-every {max(needed, 1)} or less"
+            f"run again with record-every {max(needed, 1)} or less"
         )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from fmus.contact.linearised import STEP, LinearContact
 from fmus.contact.parameters import PARAMETERS
+from fmus.errors import DataError
 from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES, connections
 from fmus.modal.modes import Modes
 from fmus.modal.parameters import modes_of
@@ -119,7 +120,7 @@ def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:
     """Return the modes that a component shows; None if it shows none."""
     try:
         return modes_of(values)
-    except ValueError as error:
+    except DataError as error:
         raise InputError(f"{name}: {error}, so its linear behaviour is not known") from None
 
 

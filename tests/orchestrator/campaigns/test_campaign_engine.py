@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from distributed import Client
-from test_campaign_plan import plan_of
+from plans import plan_of
 
 from orchestrator.campaigns import sweep as sweeping
+from orchestrator.campaigns.cluster import remote
 from orchestrator.campaigns.prepared import Workshop, prepare
 from orchestrator.campaigns.rows import DONE, FAILED
 from orchestrator.campaigns.stages import run_point
@@ -26,7 +27,7 @@ VARY = '"contact.mu0" = { from = 0.1, to = 0.5, n = 3 }\n"contact.contact_angle"
 
 @pytest.fixture(scope="module")
 def scheduler() -> Iterator[str]:
-    """A scheduler with one worker in this process, by its address."""
+    """Start a scheduler with one worker in this process; give its address."""
     with Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None, protocol="tcp") as client:
         yield str(client.scheduler.address)
 
@@ -63,20 +64,19 @@ def test_the_same_plan_goes_on_where_it_was(tmp_path: Path, scheduler: str) -> N
 
 
 def test_a_run_that_fails_is_a_row_and_can_be_made_again(tmp_path: Path, scheduler: str) -> None:
-    """Within the contact patch's corner the friction law has no slope: that point fails, its neighbours do not."""
-    plan = plan_of('"contact.steady_creepage_lat" = [0.02, 1e-9]\n"contact.steady_creepage_lon" = [0.0]')
-    bad = plan_of('"contact.normal_load" = [1e5, 1e-9]')
+    """A spring of 1e12 N/m is too stiff for the iteration at this step: that point fails, its neighbour does not."""
+    bad = plan_of('"contact.hertz_stiffness" = [2.35e9, 1e12]', compute='stage = "time"',
+                  system='case = "case3"\nalgorithm = "iterative"\nduration = 0.001')  # fmt: skip
     path = tmp_path / "s.zarr"
     ended = sweep(bad, path, How(scheduler))
     data = xr.open_zarr(path).load()
     assert (ended.done, ended.failed) == (1, 1), data["message"].to_numpy()
     assert data["status"].to_numpy().tolist() == [DONE, FAILED]
-    assert data["message"][1].item()
+    assert "still changes after" in data["message"][1].item()
     again = sweep(bad, path, How(scheduler))
     assert (again.done, again.failed) == (1, 1)
     retried = sweep(bad, path, How(scheduler, retry_failed=True))
     assert (retried.done, retried.failed) == (1, 1)
-    assert len(checked(plan)[2]) == 2
 
 
 def test_a_staged_plan_simulates_only_what_is_unstable(tmp_path: Path, scheduler: str) -> None:
@@ -91,12 +91,13 @@ def test_a_staged_plan_simulates_only_what_is_unstable(tmp_path: Path, scheduler
 
 def test_a_choice_sets_several_things_at_once() -> None:
     """A treatment by name is the same system as its values set by hand."""
-    plan = plan_of('treatment = { choices = { none = {}, low = { contact.mu0 = 0.2, contact.falling_ratio = 0.0 } } }')
+    plan = plan_of("treatment = { choices = { none = {}, low = { contact.mu0 = 0.2, contact.falling_ratio = 0.0 } } }")
     campaign, _, where = checked(plan)
     by_hand = Scenario("case3", values={"contact": {"mu0": 0.2, "falling_ratio": 0.0}}).prepare()
     assert identity(prepare(campaign, Workshop(), where[1]), campaign.settings) == identity(*by_hand)
 
 
+@pytest.mark.slow
 def test_a_wheel_by_name_takes_its_place() -> None:
     campaign, _, where = checked(plan_of('wheel = ["wheel", "wheel-generic840"]'))
     workshop = Workshop()
@@ -126,9 +127,10 @@ def test_what_does_not_fit_the_system_is_refused_before_anything_runs(vary: str,
         checked(plan_of(vary))
 
 
-def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--scheduler tcp://127.0.0.1:1: no Dask scheduler answers there"):
-        sweep(plan_of(VARY), tmp_path / "s.zarr", How("tcp://127.0.0.1:1"))
+def test_a_scheduler_that_is_not_there_is_one_sentence() -> None:
+    message = r"--scheduler tcp://127\.0\.0\.1:1: no Dask scheduler answers there"
+    with pytest.raises(InputError, match=message), remote("tcp://127.0.0.1:1", patience=1.0):
+        pass
 
 
 def test_a_dry_run_says_runs_time_and_size() -> None:

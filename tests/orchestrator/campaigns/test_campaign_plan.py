@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,20 +9,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plans import plan_of
 from scipy import stats
 
 from orchestrator.campaigns.factors import read_factor
-from orchestrator.campaigns.plan import Plan, make_plan, read_plan
+from orchestrator.campaigns.plan import read_plan
 from orchestrator.campaigns.sampling import points
 from orchestrator.errors import InputError
 
 MU0 = "contact.mu0"
-
-
-def plan_of(vary: str, sample: str = "", compute: str = "", system: str = 'case = "case3"', folder: Path = Path()) -> Plan:
-    """Return the plan of the contents of its tables."""
-    text = f"[system]\n{system}\n[vary]\n{vary}\n[sample]\n{sample}\n[compute]\n{compute}\n"
-    return make_plan(tomllib.loads(text), folder)
+UNIT_SQUARE = f'"{MU0}" = {{ from = 0.0, to = 1.0 }}\n"contact.x" = {{ from = 0.0, to = 1.0 }}'
 
 
 def test_a_grid_is_every_combination_last_factor_fastest() -> None:
@@ -52,7 +47,10 @@ def test_levels_in_equal_ratios() -> None:
         ({"distribution": "normal", "mean": 1.0, "std": 0.2}, stats.norm(1, 0.2)),
         ({"distribution": "lognormal", "median": 2.0, "sigma": 0.3}, stats.lognorm(0.3, scale=2)),
         ({"distribution": "triangular", "from": 0.0, "mode": 1.0, "to": 4.0}, stats.triang(0.25, 0, 4)),
-        ({"distribution": "truncated_normal", "mean": 0.0, "std": 1.0, "from": -1.0, "to": 2.0}, stats.truncnorm(-1, 2)),
+        (
+            {"distribution": "truncated_normal", "mean": 0.0, "std": 1.0, "from": -1.0, "to": 2.0},
+            stats.truncnorm(-1, 2),
+        ),
     ],
 )
 def test_quantiles_are_inverse_to_the_distribution(entry: dict[str, Any], law: Any) -> None:
@@ -69,16 +67,26 @@ def test_values_of_a_list_are_alike_probable(values: list[int]) -> None:
 
 
 def test_a_latin_hypercube_has_one_point_in_each_stratum() -> None:
-    found = points(plan_of(f'"{MU0}" = {{ from = 0.0, to = 1.0 }}\n"contact.x" = {{ from = 0.0, to = 1.0 }}', 'method = "latin"\nn = 40'))
+    found = points(
+        plan_of(
+            f'"{MU0}" = {{ from = 0.0, to = 1.0 }}\n"contact.x" = {{ from = 0.0, to = 1.0 }}',
+            'method = "latin"\nn = 40',
+        )
+    )
     for column in found.columns.values():
         assert sorted((column * 40).astype(int)) == list(range(40))
 
 
 def test_a_sobol_sequence_is_balanced() -> None:
     """Of 2^m points of a Sobol sequence, 2^(m-3) are in each eighth of every axis."""
-    found = points(plan_of(f'"{MU0}" = {{ from = 0.0, to = 8.0 }}\n"contact.x" = {{ from = 0.0, to = 8.0 }}', 'method = "sobol"\nn = 64'))
+    found = points(
+        plan_of(
+            UNIT_SQUARE,
+            'method = "sobol"\nn = 64',
+        )
+    )
     for column in found.columns.values():
-        assert np.bincount(column.astype(int)).tolist() == [8] * 8
+        assert np.bincount((8 * column).astype(int)).tolist() == [8] * 8
 
 
 def test_saltelli_mixes_one_column_at_a_time() -> None:
@@ -145,7 +153,7 @@ GRID = f'"{MU0}" = {{ from = 0.1, to = 0.5, n = 2 }}'
         ((GRID, 'method = "saltelli"\nn = 6'), "n = 6: Saltelli's scheme needs a power of 2"),
     ],
 )  # fmt: skip
-def test_bad_plans_are_one_sentence(plan: tuple[str, ...], message: str) -> None:
+def test_bad_plans_are_one_sentence(plan: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
         points(plan_of(*plan))
 
@@ -158,10 +166,10 @@ def test_more_than_ten_million_runs_are_refused() -> None:
 
 def test_bad_files_are_one_sentence(tmp_path: Path) -> None:
     path = tmp_path / "plan.toml"
-    with pytest.raises(InputError, match="plan.toml: No such file"):
+    with pytest.raises(InputError, match=r"plan.toml: No such file"):
         read_plan(path)
     path.write_text("[system\n")
-    with pytest.raises(InputError, match="plan.toml: is no TOML"):
+    with pytest.raises(InputError, match=r"plan.toml: is no TOML"):
         read_plan(path)
     path.write_text('[system]\ncase = "case3"\n[vary]\n"contact.mu0" = []\n')
     with pytest.raises(InputError, match=r"plan.toml: \[vary\] contact.mu0: is empty"):

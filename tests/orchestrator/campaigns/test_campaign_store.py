@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from test_campaign_plan import plan_of
+from plans import plan_of
 
 from orchestrator.campaigns.export import write_rows
 from orchestrator.campaigns.plan import Plan

@@ -82,5 +82,5 @@ def test_patterns_choose(case1: System, tmp_path: Path) -> None:
 
 
 def test_pattern_without_a_match_is_refused(case1: System) -> None:
-    with pytest.raises(InputError, match=r"--record wheel\.velocity_\*: matches no output and no real local variable"):
+    with pytest.raises(InputError, match=r"record wheel\.velocity_\*: matches no output and no real local variable"):
         Master(assemble(case1), Settings(5e-6, 1e-3, record=("wheel.velocity_*",)))

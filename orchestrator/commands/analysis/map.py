@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..errors import InputError
-from .tools import Json, screen
+from ...errors import InputError
+from ..tools import Json, screen
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..campaigns.maps import Map
+    from ...campaigns.maps import Map
 
 
 def map(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -34,7 +34,7 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
     json: Json = False,
 ) -> None:
     """Show a campaign: a quantity over two parameters, Sobol indices, or the probability of each tone."""
-    from ..campaigns.store import open_campaign  # noqa: PLC0415 - xarray takes its time
+    from ...campaigns.store import open_campaign  # noqa: PLC0415 - xarray takes its time
 
     if bool(indices) + tones + (x is not None or y is not None) != 1 or (x is None) != (y is None):
         raise InputError("map: give --x and --y, or --indices, or --tones")
@@ -54,8 +54,8 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
 
 def _map(data: xr.Dataset, x: str, y: str, colour: str, path: Path) -> dict[str, Any]:
     """Make a map and its picture."""
-    from ..campaigns.maps import make_map  # noqa: PLC0415
-    from ..campaigns.page import write_page  # noqa: PLC0415
+    from ...campaigns.maps import make_map  # noqa: PLC0415
+    from ...campaigns.page import write_page  # noqa: PLC0415
 
     found = make_map(data, x, y, colour)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -74,7 +74,7 @@ def _picture(path: Path) -> Path:
 
 
 def _draw(found: Map, title: str, path: Path) -> None:
-    from ..figures.campaign import Grid, draw_grid  # noqa: PLC0415 - matplotlib takes its time
+    from ...figures.campaign import Grid, draw_grid  # noqa: PLC0415 - matplotlib takes its time
 
     unit = {"1": "-", "s-1": "1/s"}.get(found.unit, found.unit)
     grid = Grid(
@@ -86,8 +86,8 @@ def _draw(found: Map, title: str, path: Path) -> None:
 
 def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
     """Compute Sobol indices and draw them."""
-    from ..campaigns.sobol import indices  # noqa: PLC0415
-    from ..figures.campaign import Share, draw_indices  # noqa: PLC0415
+    from ...campaigns.sobol import indices  # noqa: PLC0415
+    from ...figures.campaign import Share, draw_indices  # noqa: PLC0415
 
     found = indices(data, name)
     draw_indices(
@@ -102,8 +102,8 @@ def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
 
 def _tones(data: xr.Dataset, path: Path) -> dict[str, Any]:
     """Count the tones that the runs ended in, and draw them."""
-    from ..campaigns.maps import ended_tones  # noqa: PLC0415
-    from ..figures.competition import draw_competition  # noqa: PLC0415
+    from ...campaigns.maps import ended_tones  # noqa: PLC0415
+    from ...figures.competition import draw_competition  # noqa: PLC0415
 
     found = ended_tones(data)
     draw_competition(str(data.attrs["title"]), {"runs": found}, _picture(path))

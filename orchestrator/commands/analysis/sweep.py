@@ -13,8 +13,8 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ..campaigns.plan import read_plan
-from .tools import Json, messages, say, screen
+from ...campaigns.plan import read_plan
+from ..tools import Json, messages, say, screen
 
 _PIPED_EVERY = 5.0
 """Time between two lines of progress where there is no terminal [s]."""
@@ -41,9 +41,9 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
     A run that fails is a row with its sentence. Stopped or killed, it keeps what is done; the same plan goes on from
     there.
     """
-    from ..campaigns import sweep as campaign  # noqa: PLC0415 - dask takes its time
-    from ..campaigns.export import write_rows  # noqa: PLC0415
-    from ..runs.stopping import stop_on_signals  # noqa: PLC0415
+    from ...campaigns import sweep as campaign  # noqa: PLC0415 - dask takes its time
+    from ...campaigns.export import write_rows  # noqa: PLC0415
+    from ...runs.stopping import stop_on_signals  # noqa: PLC0415
 
     the_plan = read_plan(plan)
     path = out or plan.with_suffix(".zarr")

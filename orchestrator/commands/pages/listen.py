@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .tools import Force, Json, require_free, require_suffix, screen
+from ..tools import Force, Json, require_free, require_suffix, screen
 
 Wheel = Annotated[
     str | None, typer.Option(help="Wheelset whose radiating areas to take; default: the one of the results.")
@@ -25,9 +25,9 @@ def listen(
     json: Json = False,
 ) -> None:
     """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it."""
-    from ..results.file import open_results  # noqa: PLC0415
-    from ..sound.radiation import Radiation, sound_of  # noqa: PLC0415 - loads scipy and xarray
-    from ..sound.wav import pressure_of, write_wav  # noqa: PLC0415
+    from ...results.file import open_results  # noqa: PLC0415
+    from ...sound.radiation import Radiation, sound_of  # noqa: PLC0415 - loads scipy and xarray
+    from ...sound.wav import pressure_of, write_wav  # noqa: PLC0415
 
     path = results.with_suffix(".wav") if out is None else out
     require_suffix(path, (".wav",))

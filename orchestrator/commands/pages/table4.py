@@ -7,9 +7,9 @@ import json as json_format
 import typer
 from rich.table import Table
 
-from ..paper.table4 import Cell, find_table4
-from .stability import RailOption, WheelOption
-from .tools import Json, screen
+from ...paper.table4 import Cell, find_table4
+from ..analysis.stability import RailOption, WheelOption
+from ..tools import Json, screen
 
 
 def table4(json: Json = False, rail: RailOption = None, wheel: WheelOption = None) -> None:
