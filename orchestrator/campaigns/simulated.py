@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,15 +48,21 @@ QUANTITIES = (
 
 @dataclass
 class _Kept:
-    """Rows of a run in memory, in the precision of a results file."""
+    """Rows of a run in memory, in single precision, which leaves room for many runs at once."""
 
+    path: Path = field(default_factory=Path)
+    rows: int = 0
     times: list[NDArray[np.float64]] = field(default_factory=list)
-    rows: list[NDArray[np.float32]] = field(default_factory=list)
+    values: list[NDArray[np.float32]] = field(default_factory=list)
 
-    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+    def append(self, time: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """Take rows."""
-        self.times.append(times)
-        self.rows.append(rows.astype(np.float32))
+        self.times.append(time)
+        self.values.append(rows.astype(np.float32))
+        self.rows += len(time)
+
+    def sync(self) -> None:
+        """Do nothing: there is no disk."""
 
 
 def simulated(prepared: Prepared) -> dict[str, Number]:
@@ -97,8 +104,12 @@ def _dataset(master: Master, kept: _Kept) -> xr.Dataset:
     """Return the rows of a run as a results file has them."""
     import xarray as xr  # noqa: PLC0415
 
-    rows = np.concatenate(kept.rows)
-    signals = {name: ("time", rows[:, k], {"units": unit}) for k, (name, unit, _) in enumerate(master.signals())}
+    values = np.concatenate(kept.values)
+    signals = {
+        column.name: ("time", values[:, k], {"units": column.unit})
+        for k, column in enumerate(master.signals())
+        if column.dtype == np.float64
+    }
     about = {"step_s": master.settings.step, "record_every": master.settings.record_every}
     return xr.Dataset(signals, {"time": np.concatenate(kept.times)}, about)
 

@@ -23,7 +23,6 @@ from fmus.modal.parameters import modes_of
 
 from ..coupling.assembly import Assembly
 from ..coupling.contact_mobility import bonds_of, power_pairs
-from ..coupling.rates import period
 from ..errors import InputError
 from .eigenloci import Crossing, Eigenloci, crossings, eigenloci, frequency_grid
 from .identified import identify
@@ -128,7 +127,7 @@ def _identified(assembly: Assembly, name: str, step: float) -> Identified:
     """Return what the response of a structure's FMU tells of it."""
     fmu = assembly.fmus[name]
     pairs = power_pairs(bonds_of(assembly, name))
-    return identify(fmu, assembly.parameters[name], step * period(fmu, step), pairs)
+    return identify(fmu, assembly.parameters[name], step * assembly.periods(step)[name], pairs)
 
 
 def model_of(data: xr.Dataset) -> LinearModel:

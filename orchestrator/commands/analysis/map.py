@@ -16,7 +16,7 @@ from ..tools import Json, screen
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...campaigns.maps import Map
+    from ...campaigns.results.maps import Map
 
 
 def map(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -54,8 +54,8 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
 
 def _map(data: xr.Dataset, x: str, y: str, colour: str, path: Path) -> dict[str, Any]:
     """Make a map and its picture."""
-    from ...campaigns.maps import make_map  # noqa: PLC0415
-    from ...campaigns.page import write_page  # noqa: PLC0415
+    from ...campaigns.results.maps import make_map  # noqa: PLC0415
+    from ...campaigns.results.page import write_page  # noqa: PLC0415
 
     found = make_map(data, x, y, colour)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -86,7 +86,7 @@ def _draw(found: Map, title: str, path: Path) -> None:
 
 def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
     """Compute Sobol indices and draw them."""
-    from ...campaigns.sobol import indices  # noqa: PLC0415
+    from ...campaigns.results.sobol import indices  # noqa: PLC0415
     from ...figures.campaign import Share, draw_indices  # noqa: PLC0415
 
     found = indices(data, name)
@@ -102,7 +102,7 @@ def _indices(data: xr.Dataset, name: str, path: Path) -> dict[str, Any]:
 
 def _tones(data: xr.Dataset, path: Path) -> dict[str, Any]:
     """Count the tones that the runs ended in, and draw them."""
-    from ...campaigns.maps import ended_tones  # noqa: PLC0415
+    from ...campaigns.results.maps import ended_tones  # noqa: PLC0415
     from ...figures.competition import draw_competition  # noqa: PLC0415
 
     found = ended_tones(data)

@@ -42,7 +42,7 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
     there.
     """
     from ...campaigns import sweep as campaign  # noqa: PLC0415 - dask takes its time
-    from ...campaigns.export import write_rows  # noqa: PLC0415
+    from ...campaigns.results.export import write_rows  # noqa: PLC0415
     from ...runs.stopping import stop_on_signals  # noqa: PLC0415
 
     the_plan = read_plan(plan)

@@ -11,11 +11,11 @@ import xarray as xr
 from plans import plan_of
 from scipy.stats import qmc
 
-from orchestrator.campaigns.maps import ended_tones, make_map
-from orchestrator.campaigns.page import write_page
+from orchestrator.campaigns.results.maps import ended_tones, make_map
+from orchestrator.campaigns.results.page import write_page
+from orchestrator.campaigns.results.sobol import indices, of_values
 from orchestrator.campaigns.rows import DONE, FAILED
 from orchestrator.campaigns.sampling import points
-from orchestrator.campaigns.sobol import indices, of_values
 from orchestrator.errors import InputError
 from orchestrator.figures.campaign import Grid, Share, draw_grid, draw_indices
 

@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 from plans import plan_of
 
-from orchestrator.campaigns.export import write_rows
 from orchestrator.campaigns.plan import Plan
 from orchestrator.campaigns.prepared import Campaign, pack
+from orchestrator.campaigns.results.export import write_rows
 from orchestrator.campaigns.rows import DONE, FAILED, Row
 from orchestrator.campaigns.sampling import points
 from orchestrator.campaigns.stages import quantities

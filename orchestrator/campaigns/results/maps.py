@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from ..errors import InputError
-from ..signals.tones import Tone, tones
-from .rows import DONE
+from ...errors import InputError
+from ...signals.tones import Tone, tones
+from ..rows import DONE
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr

@@ -11,7 +11,7 @@ import numpy as np
 
 from .maps import Map
 
-_LIBRARY = Path(__file__).parents[1] / "report" / "templates" / "plotly-basic.min.js"
+_LIBRARY = Path(__file__).parents[2] / "report" / "templates" / "plotly-basic.min.js"
 
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
-from ..errors import InputError
+from ...errors import InputError
+from ..rows import DONE
 from .maps import quantity
-from .rows import DONE
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..results.formats import require_parquet
-from .store import open_campaign
+from ...results.formats import require_parquet
+from ..store import open_campaign
 
 
 def write_rows(store: Path, path: Path) -> None:
