@@ -97,12 +97,12 @@ def remote(address: str, patience: float = PATIENCE) -> Iterator[Client]:
         client = Client(address, timeout=patience, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"--scheduler {address}: no Dask scheduler answers there ({reason})") from None
+        raise InputError(f"scheduler {address}: no Dask scheduler answers there ({reason})") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=patience)
         except TimeoutError:
-            raise InputError(f"--scheduler {address}: has no workers") from None
+            raise InputError(f"scheduler {address}: has no workers") from None
         _same_versions(client, address)
         yield client
 
@@ -113,14 +113,14 @@ def _same_versions(client: Client, address: str) -> None:
     here = told["client"]["packages"]["distributed"]
     there = told["scheduler"]["packages"]["distributed"]
     if here != there:
-        raise InputError(f"--scheduler {address}: runs distributed {there}, this is {here}")
+        raise InputError(f"scheduler {address}: runs distributed {there}, this is {here}")
     try:
         workers = client.run(versions)
     except Exception as error:  # the worker's own error: it has not even this package
-        raise InputError(f"--scheduler {address}: its workers cannot load this package ({error})") from None
+        raise InputError(f"scheduler {address}: its workers cannot load this package ({error})") from None
     for worker, found in workers.items():
         for name, version in versions().items():
             if found.get(name) != version:
                 raise InputError(
-                    f"--scheduler {address}: worker {worker} runs {name} {found.get(name)}, this is {version}"
+                    f"scheduler {address}: worker {worker} runs {name} {found.get(name)}, this is {version}"
                 )

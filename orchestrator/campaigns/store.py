@@ -122,7 +122,7 @@ def open_store(path: Path, campaign: Campaign, points: Points, quantities: tuple
     for key, words in (("plan_digest", "another plan"), ("fmus", "other FMUs"), ("versions", "other versions")):
         if attributes.get(key) != about[key]:
             raise InputError(
-                f"{path}: is the store of {words}; give another --out{_difference(attributes, about, key)}"
+                f"{path}: is the store of {words}; keep the rows in another store{_difference(attributes, about, key)}"
             )
     return Store(path, group, quantities)
 

@@ -128,7 +128,7 @@ def test_what_does_not_fit_the_system_is_refused_before_anything_runs(vary: str,
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence() -> None:
-    message = r"--scheduler tcp://127\.0\.0\.1:1: no Dask scheduler answers there"
+    message = r"scheduler tcp://127\.0\.0\.1:1: no Dask scheduler answers there"
     with pytest.raises(InputError, match=message), remote("tcp://127.0.0.1:1", patience=1.0):
         pass
 

@@ -62,12 +62,12 @@ def test_other_stores_are_refused_and_left_alone(tmp_path: Path, campaign: Campa
     path = tmp_path / "s.zarr"
     opened(path, campaign).write([Row(1, DONE, values=VALUES)])
     other, _ = pack(plan_of(VARY.replace("600", "500")))
-    with pytest.raises(InputError, match="is the store of another plan; give another --out"):
+    with pytest.raises(InputError, match="is the store of another plan; keep the rows in another store"):
         opened(path, other)
     element = replace(campaign.system.elements["wheel"], source=Path("0" * 64))
     system = replace(campaign.system, elements={**campaign.system.elements, "wheel": element})
     changed = replace(campaign, system=system, names={**campaign.names, "0" * 64: "wheel.fmu"})
-    with pytest.raises(InputError, match=r"is the store of other FMUs; give another --out \(wheel.fmu"):
+    with pytest.raises(InputError, match=r"is the store of other FMUs; keep the rows in another store \(wheel.fmu"):
         opened(path, changed)
     assert np.flatnonzero(opened(path, campaign).status()).tolist() == [1]
 
