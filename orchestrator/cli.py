@@ -42,6 +42,10 @@ COMMANDS: Table = {
         "Show what each master algorithm does to the growth rates, mode by mode.",
     ),
     "stability": ("analysis.stability", "Find the unstable frequencies of a case or of a system of FMUs."),
+    "cycle": (
+        "analysis.cycle",
+        "Find every tone that a system can squeal at and whether it lasts, by harmonic balance.",
+    ),
     "curve": ("analysis.curve", "Find how a bogie runs through a curve, and which of its wheels squeals."),
     "table4": (
         "pages.table4:table4",
@@ -62,7 +66,9 @@ RAIL_COMMANDS: Table = {
     "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "build": ("structures.wheel", "Build a wheel FMU from modal data or finite elements."),
+    "treat": ("structures.wheel_treat", "Write a wheel with tuned absorbers or more damping."),
+    "measured": ("structures.wheel_measured", "Fit a passive modal wheel to measured functions."),
     "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +43,7 @@ class LinearModel:
     contact : linearised at its steady state
     displacements : whether the contact takes displacements; else it integrates velocities
     identified : names of the components that show no modes
+    law : all parameters of the running contact
     """
 
     wheel: Structure
@@ -50,6 +51,7 @@ class LinearModel:
     contact: LinearContact
     displacements: bool = True
     identified: tuple[str, ...] = ()
+    law: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def poles(self) -> Poles:
@@ -106,7 +108,7 @@ def model_of_assembly(assembly: Assembly, step: float, remember: Remember = lamb
     contact = _without_rounding(linear_contact(law), law)
     wheel, rail = (remember(names[s], partial(_structure, assembly, names[s], step, s in plain)) for s in STRUCTURES)
     hidden = tuple(names[s] for s, found in (("wheel", wheel), ("rail", rail)) if isinstance(found, Identified))
-    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden)
+    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden, law)
 
 
 def _structure(assembly: Assembly, name: str, step: float, plain: bool) -> Structure:
