@@ -15,7 +15,7 @@ from .parameters import N_FIXED, P
 @kernel
 def prepare_table(parameters, derived):  # type: ignore[no-untyped-def]
     """Put Kalker's coefficients, and values and slopes of the table's columns, into `derived`."""
-    derived[D.constants], derived[D.constants + 1], derived[D.constants + 2] = creepage_coefficients(
+    derived[D.constants], derived[D.constants + 1], derived[D.constants + 2], _ = creepage_coefficients(
         parameters[P.semi_axis_lon], parameters[P.semi_axis_lat], parameters[P.poisson_ratio]
     )
     n = (parameters.size - N_FIXED) // N_COLUMNS
@@ -23,7 +23,7 @@ def prepare_table(parameters, derived):  # type: ignore[no-untyped-def]
     for i in range(n):
         for column in range(N_COLUMNS):
             derived[D.table + column * n + i] = parameters[N_FIXED + column * n + i]
-        c11, c22, c23 = creepage_coefficients(
+        c11, c22, c23, _ = creepage_coefficients(
             parameters[N_FIXED + G.semi_axis_lon * n + i],
             parameters[N_FIXED + G.semi_axis_lat * n + i],
             parameters[P.poisson_ratio],
