@@ -8,6 +8,7 @@ import math
 from ..compile import kernel
 from .strips import follow
 
+
 @kernel
 def flexibilities(
     semi_axis_lon: float, semi_axis_lat: float, shear_modulus: float, c11: float, c22: float, c23: float

@@ -229,7 +229,9 @@ def strip_by_strip(xi: float, eta: float, phi: float, peak: float, cells: int, s
         traction = np.zeros(2)
         taken, reached = np.zeros(2), edge
         for k, x in enumerate(edge - (np.arange(cells) + 0.5) * dx):
-            slip, there = (np.array([xi / L1 - phi * y / L3, eta / L2 + phi * z / L3]) for z in (0.5 * (reached + x), x))
+            slip, there = (
+                np.array([xi / L1 - phi * y / L3, eta / L2 + phi * z / L3]) for z in (0.5 * (reached + x), x)
+            )
             trial = traction - (reached - x) * slip - taken
             reached = x
             bound = peak * (1 - (x / A) ** 2 - (y / B) ** 2)

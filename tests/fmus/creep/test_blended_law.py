@@ -17,7 +17,9 @@ from fmus.creep.strips import SCRATCH_SIZE, cell
 A, B, G, FRICTION = 0.010, 0.005, 80e9, 18e3
 
 
-def force(xi: float, eta: float, phi: float, cells: int = 10, strips: int = 10, friction: float = FRICTION) -> np.ndarray:
+def force(
+    xi: float, eta: float, phi: float, cells: int = 10, strips: int = 10, friction: float = FRICTION
+) -> np.ndarray:
     c11, c22, c23, c33 = creepage_coefficients(A, B, 0.3)
     L = (*flexibilities(A, B, G, c11, c22, c23), spin_flexibility(B, G, c33))
     scratch = np.zeros(SCRATCH_SIZE + 1)
