@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compile import Kernel
+from .errors import DataError
 
 Vector = NDArray[np.float64]
 
@@ -60,21 +61,19 @@ class Variable:
     def __post_init__(self) -> None:
         """Check the declaration."""
         if self.causality not in CAUSALITIES:
-            raise ValueError(f"{self.name}: causality is {self.causality!r}; must be one of {CAUSALITIES}")
+            raise DataError(f"{self.name}: causality is {self.causality!r}; must be one of {CAUSALITIES}")
         if self.start is not None:
             self.check(self.start)
 
     def check(self, value: float) -> float:
         """Return `value` if this variable may have it; raise ValueError otherwise."""
         if not math.isfinite(value):
-            raise ValueError(f"{self.name} = {value}: must be a finite number")
+            raise DataError(f"{self.name} = {value}: must be a finite number")
         if not self.minimum <= value <= self.maximum:
             unit = "" if self.unit == "1" else f" {self.unit}"
-            raise ValueError(
-                f"{self.name} = {value:g}: must be in the range {self.minimum:g} to {self.maximum:g}{unit}"
-            )
+            raise DataError(f"{self.name} = {value:g}: must be in the range {self.minimum:g} to {self.maximum:g}{unit}")
         if self.kind != "Real" and value != int(value):
-            raise ValueError(f"{self.name} = {value:g}: must be a whole number")
+            raise DataError(f"{self.name} = {value:g}: must be a whole number")
         return value
 
 
@@ -100,6 +99,23 @@ class Component:
     def of(self, causality: str) -> tuple[Variable, ...]:
         """Return the variables of one causality, in order."""
         return tuple(v for v in self.variables if v.causality == causality)
+
+    def with_starts(self, values: Mapping[str, float]) -> Component:
+        """Return the component with other start values of some parameters, by name; checked.
+
+        Raises
+        ------
+        DataError
+            For an unknown parameter or a value out of range.
+        """
+        unknown = next((name for name in values if name not in self.parameter_index), None)
+        if unknown is not None:
+            raise DataError(f"{self.name} has no parameter {unknown!r}")
+        variables = tuple(
+            replace(v, start=v.check(values[v.name])) if v.name in values and v.causality == "parameter" else v
+            for v in self.variables
+        )
+        return replace(self, variables=variables)
 
     @cached_property
     def parameter_index(self) -> dict[str, int]:
@@ -150,7 +166,7 @@ class Instance:
 
     Raises
     ------
-    ValueError
+    DataError
         For an unknown parameter or a value out of range.
     """
 
@@ -185,7 +201,7 @@ class Instance:
         """Set one parameter by name, checked against its declared range."""
         index = self.component.parameter_index.get(name)
         if index is None:
-            raise ValueError(f"{self.component.name} has no parameter {name!r}")
+            raise DataError(f"{self.component.name} has no parameter {name!r}")
         self.parameters[index] = self.component.of("parameter")[index].check(value)
 
     def initialise(self) -> None:
@@ -215,13 +231,13 @@ class Instance:
 
         Raises
         ------
-        ValueError
+        DataError
             For a seed of another length, or if the component is not differentiable.
         """
         if not self.component.differentiable:
-            raise ValueError(f"{self.component.name} offers no directional derivatives")
+            raise DataError(f"{self.component.name} offers no directional derivatives")
         if seed.shape != self.inputs.shape:
-            raise ValueError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
+            raise DataError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
         sensitivity = np.zeros(self.outputs.size)
         arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
         self.component.kernel("differentiate")(

@@ -1,20 +1,27 @@
 """The master: reads a system, loads its FMUs, couples them at a fixed step, and says what came out.
 
-As a library it is `load`, `simulate` and `resume`; see `orchestrator.library`.
+As a library it is `load`, `simulate`, `resume` and `cycles`; see `orchestrator.library`.
 """
 
 from importlib import import_module
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, SimulationError
 
 if TYPE_CHECKING:
     from .coupling.master import Progress
-    from .library import load, resume, simulate
+    from .library import cycles, load, plot_cycles, resume, simulate
+    from .limit_cycles.catalogue import Catalogue
     from .runs.outcome import Outcome
     from .runs.scenario import Scenario
 
-__all__ = ["InputError", "Outcome", "Progress", "Scenario", "SimulationError", "load", "resume", "simulate"]
+__version__ = version("curvesqueal")
+
+__all__ = [
+    "Catalogue", "InputError", "Outcome", "Progress", "Scenario", "SimulationError", "cycles", "load", "plot_cycles",
+    "resume", "simulate",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..compile import kernel
 
-# [shape of the ellipse: a <= b, a >= b][ratio of the semi-axes 0.1 ... 1.0][c11, c22, c23, c33, each for nu = 0, 0.25, 0.5]
+# [shape of the ellipse: a <= b, a >= b][ratio 0.1 ... 1.0][c11, c22, c23, c33, each for nu 0, 0.25, 0.5]
 TABLE = np.array(
     (
         (

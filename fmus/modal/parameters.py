@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
 from ..interface import MODAL_VELOCITY
 from .layout import DAMPING_RATIO, FREQUENCY, SHAPES
 from .modes import Modes
@@ -78,7 +79,7 @@ def modes_of(values: Mapping[str, Any], prefix: str = "") -> Modes | None:
 
     Raises
     ------
-    ValueError
+    DataError
         If a mode is not told completely, or is none.
     """
     modes = names_of(prefix + FREQUENCY, values)
@@ -89,7 +90,7 @@ def modes_of(values: Mapping[str, Any], prefix: str = "") -> Modes | None:
         names = names_of(prefix + block, values)
         missing = sorted(modes.keys() - names.keys())
         if missing:
-            raise ValueError(f"mode {missing[0]} has no {prefix + block}")
+            raise DataError(f"mode {missing[0]} has no {prefix + block}")
         for i, mode in enumerate(modes):
             table[i, j] = float(values[names[mode]])
     table = table[table[:, 2:].any(axis=1)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import replace
 
+from ..errors import DataError
 from ..modal.data import read_modal_data
 from .wheelset import DATA, Wheelset, read_wheelset
 
@@ -23,12 +24,12 @@ def class158() -> Wheelset:
 
     Raises
     ------
-    ValueError
+    DataError
         If the generic wheelset has other modes than when the amplitudes were identified.
     """
     prior, data = read_wheelset(PRIOR), read_modal_data(MODES)
     if prior.modes.labels != data.modes.labels:
-        raise ValueError(f"{MODES.name}: its modes are not those of {PRIOR.name}; identify the amplitudes anew")
+        raise DataError(f"{MODES.name}: its modes are not those of {PRIOR.name}; identify the amplitudes anew")
     return replace(prior, modes=data.modes, title=data.title)
 
 

@@ -23,10 +23,10 @@ from ..errors import InputError
 from ..results.file import ResultsFile
 from .scenario import Scenario
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file format."""
 
-_NUMBERS = ("u", "y", "energy", "u_scale", "sweeps")
+_NUMBERS = ("u", "u_word", "y", "y_word", "energy", "u_scale", "sweeps")
 """Arrays of the plan that a run carries along."""
 
 
@@ -74,6 +74,7 @@ class Checkpoint:
             instance.restore(self.states[name])
         for name, values in self.numbers.items():
             getattr(master.plan, name)[...] = values
+        master.refresh()
         master.progress.steps, master.progress.wall = self.steps, self.wall
 
 
@@ -81,7 +82,7 @@ def check_serialisable(assembly: Assembly) -> None:
     """Raise InputError if the state of an FMU cannot be kept."""
     for name, fmu in assembly.fmus.items():
         if not fmu.can_serialise:
-            raise InputError(f"--checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
+            raise InputError(f"checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
 
 
 def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: ResultsFile) -> None:
@@ -115,7 +116,7 @@ def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: Re
             os.fsync(file.fileno())
         partial.replace(path)
     except OSError as error:
-        raise InputError(f"--checkpoint {path}: cannot be written: {error.strerror or error}") from None
+        raise InputError(f"checkpoint {path}: cannot be written: {error.strerror or error}") from None
 
 
 def _absolute(scenario: Scenario) -> dict[str, Any]:

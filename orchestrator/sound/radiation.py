@@ -152,26 +152,38 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again with --record '{MODAL_VELOCITIES}'"
+            f"run again and record '{MODAL_VELOCITIES}'"
         )
     if wheel is not None:
         chosen = _named(wheel)
         if len(chosen.modes) != count:
-            raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
+            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return chosen
-    frequency, shape = _block(data, "frequency"), _block(data, "shape_lat")
+    frequency = _block(data, "frequency")
+    found = fitting_wheelset(frequency, _block(data, "shape_lat")) if frequency.size == count else None
+    if found is not None:
+        return found
+    raise InputError(
+        f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
+        "name a wheel, or give its file"
+    )
+
+
+def fitting_wheelset(frequency_hz: Real, shape_lat: Real) -> Wheelset | None:
+    """Return the shipped wheelset that has these natural frequencies [Hz] and most nearly these lateral shapes.
+
+    None if none has. Without shapes (empty) the first one is taken.
+    """
     fitting = [
         candidate
         for candidate in map(_named, shipped())
-        if len(candidate.modes) == count == frequency.size
-        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency, rtol=_SAME_FREQUENCY)
+        if len(candidate.modes) == frequency_hz.size
+        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency_hz, rtol=_SAME_FREQUENCY)
     ]
-    if fitting:
-        return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
-    raise InputError(
-        f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "give --wheel NAME or FILE.toml"
-    )
+    if not fitting:
+        return None
+    size = shape_lat.size
+    return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape_lat).sum()) if size else 0.0)
 
 
 def shipped() -> list[str]:
@@ -187,7 +199,7 @@ def _named(wheel: str) -> Wheelset:
     try:
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
+        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
 def _block(data: xr.Dataset, block: str) -> Real:

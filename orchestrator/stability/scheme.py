@@ -86,7 +86,7 @@ def largest_safe_step(model: LinearModel, algorithm: str) -> float | None:
 
 
 def as_json(model: LinearModel, step: float) -> dict[str, Any]:
-    """Return exact and discrete growth rates of every algorithm at a step, as `coupling --json` prints them."""
+    """Return exact and discrete growth rates of every algorithm at a step, as data."""
     result = {}
     for algorithm in ALGORITHMS:
         growth = growth_of_scheme(model, step, algorithm)

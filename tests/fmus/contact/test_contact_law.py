@@ -159,7 +159,7 @@ def test_small_creepage_gives_kalkers_linear_theory() -> None:
     "creepage", [(0, 1e-3, 0), (1e-3, 0, 0), (0, 0, 0.3), (0, 0, 1), (0, 0, 3), (5e-4, -1e-3, 0.5), (1e-3, 2e-3, 0.3)]
 )
 def test_order_in_the_cells(creepage: tuple[float, float, float]) -> None:
-    """Sixteen times the cells, 1/256 of the error, also where spin turns the sliding; 1/100 is asked for, first order: 1/16.
+    """Sixteen times the cells, 1/256 of the error, with spin too; 1/100 is asked for, first order: 1/16.
 
     An error depends on where in its cell sliding begins, so it is the mean over a few grids.
     """

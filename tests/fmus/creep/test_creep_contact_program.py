@@ -54,7 +54,7 @@ def test_forces_and_moment_with_spin(row: dict[str, float]) -> None:
 
 
 def test_fastsim_is_wrong_with_spin() -> None:
-    """What the other law is for: FASTSIM's force is up to 46 % off, its moment up to 25 %, on a grid as fine as one likes."""
+    """What the other law is for: FASTSIM's force is up to 46 % off, its moment up to 25 %, on any grid."""
     found = [errors(row, FASTSIM, 60) for row in WITH_SPIN]
     assert 0.4 < max(force for force, _ in found) < 0.48
     assert 0.2 < max(moment / abs(row["moment"]) for (_, moment), row in zip(found, WITH_SPIN, strict=True)) < 0.26

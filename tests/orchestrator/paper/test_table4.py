@@ -10,7 +10,7 @@ from coupled import scheme_error
 
 from fmus.wheel.class158 import identified_stiffness
 from fmus.wheel.wheelset import DATA, read_wheelset
-from orchestrator.commands.stability import as_json
+from orchestrator.commands.analysis.stability import as_json
 from orchestrator.paper.consistency import Consistency, consistency
 from orchestrator.paper.table4 import Cell, Table4, compare, find_table4
 from orchestrator.published.table4 import CASES, CELL_MODES, TABLE4, read_paper_table

@@ -1,0 +1,82 @@
+"""The command `coupling`: what the master algorithms make of the growth rates of a case or system."""
+
+from __future__ import annotations
+
+import json as json_format
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from ...errors import InputError
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
+
+
+def coupling(
+    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
+    values: Values = None,
+    replace: Replace = None,
+    json: Json = False,
+) -> None:
+    """Show what each master algorithm does to the growth rates, mode by mode, and the largest safe step.
+
+    Eigenvalues of the linearised step map against those of the coupled system, modes below 5 kHz. A step is safe while
+    it makes no stable mode unstable and weakly damped modes are right to 0.5 1/s.
+    """
+    from ...stability.linear_model import model_of_assembly  # noqa: PLC0415
+    from ...stability.scheme import TOLERATED, as_json  # noqa: PLC0415 - keeps the start of the other commands short
+    from ...stability.step_map import BELOW_HZ, WEAK  # noqa: PLC0415
+
+    scenario = Scenario(system, step=step, values=parse_values(values or []), sources=parse_sources(replace or []))
+    assembly, settings = scenario.prepare()
+    try:
+        data = as_json(model_of_assembly(assembly, settings.step), settings.step)
+    except InputError as reason:
+        raise InputError(f"{system}: no growth rates can be given: {reason}") from None
+    if json:
+        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        return
+    screen.print(_modes(data, f"{Path(system).name}: growth rates [1/s] below {BELOW_HZ:g} Hz at {settings.step:g} s"))
+    screen.print(_summary(data))
+    screen.print(
+        f"safe: no stable mode unstable, error at most {TOLERATED:g} 1/s where the exact rate is above {WEAK:g} 1/s",
+        highlight=False,
+    )
+
+
+def _modes(data: dict[str, Any], title: str) -> Table:
+    """Return the table of modes: one row each, one column per algorithm."""
+    table = Table(title=title, title_justify="left")
+    for heading in ("frequency [Hz]", "exact", *data):
+        table.add_column(heading, justify="right")
+    for rows in zip(*(data[algorithm]["modes"] for algorithm in data), strict=True):
+        cells = (_marked(row) for row in rows)
+        table.add_row(f"{rows[0]['frequency_hz']:.1f}", f"{rows[0]['exact']:.3f}", *cells)
+    return table
+
+
+def _marked(row: dict[str, float]) -> str:
+    """Return a discrete growth rate, with a mark if the scheme made a stable mode unstable."""
+    return f"{row['discrete']:.3f}{' !' if row['exact'] <= 0 < row['discrete'] else ''}"
+
+
+def _summary(data: dict[str, Any]) -> Table:
+    """Return the table of algorithms."""
+    table = Table(
+        "algorithm", title="algorithms (!: a stable mode that the scheme makes unstable)", title_justify="left"
+    )
+    for heading in ("largest error [1/s]", "weakly damped [1/s]", "made unstable", "largest safe step [s]"):
+        table.add_column(heading, justify="right")
+    for name, d in data.items():
+        safe = d["largest_safe_step_s"]
+        table.add_row(
+            name,
+            f"{d['max_growth_rate_error']:.3g}",
+            f"{d['max_growth_rate_error_weakly_damped']:.3g}",
+            str(d["stable_modes_made_unstable"]),
+            "none" if safe is None else f"{safe:.2g}",
+        )
+    return table

@@ -1,0 +1,71 @@
+"""The command `stability`: a case or system in, tables, JSON and pictures out."""
+
+from __future__ import annotations
+
+import json as json_format
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from ...stability.analysis import REPORTED_BELOW_HZ, Stability
+from ...stability.cases import find_stability
+from ..tools import Json, screen
+
+RailOption = Annotated[
+    str | None, typer.Option(help="analytic (default for a case), modal, or an .fmu file; a rigid rail stays rigid.")
+]
+WheelOption = Annotated[
+    str | None, typer.Option(help="class158 (default for a case), generic840, straight840, a .toml or an .fmu file.")
+]
+
+
+def stability(
+    case: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    rail: RailOption = None,
+    wheel: WheelOption = None,
+    json: Json = False,
+    out: Annotated[Path | None, typer.Option(help="Picture to write: Nyquist and Bode diagram of the loop.")] = None,
+) -> None:
+    """Find the unstable frequencies of a case of the paper or of a system of FMUs.
+
+    Eigenloci of the self-excited vibration loop: crossings beyond +1 with loop gain and the wheel modes involved;
+    poles of the closed loop where wheel and rail are modal.
+    """
+    result = find_stability(case, rail, wheel)
+    if out is not None:
+        from ...figures.stability import draw_stability  # noqa: PLC0415 - pictures are not always wanted
+
+        out.parent.mkdir(parents=True, exist_ok=True)
+        draw_stability(result, case).savefig(out, dpi=200)
+    if json:
+        typer.echo(json_format.dumps(as_json(result), indent=2))
+        return
+    table = Table(
+        title=f"{case}, below {REPORTED_BELOW_HZ:g} Hz ({result.unstable_pairs} encirclements at all frequencies)",
+        title_justify="left",
+    )
+    for heading in ("unstable frequency [Hz]", "loop gain", "wheel modes"):
+        table.add_column(heading, justify="left" if heading == "wheel modes" else "right")
+    for i in result.instabilities:
+        table.add_row(f"{i.crossing.frequency_hz:.1f}", f"{i.crossing.gain:.3f}", " ".join(i.modes) or "-")
+    screen.print(table)
+
+
+def as_json(result: Stability) -> dict[str, Any]:
+    """Return what `stability --json` prints; poles of the closed loop up to the same frequency as crossings."""
+    poles = None if result.poles is None else result.poles.below(REPORTED_BELOW_HZ)
+    return {
+        "unstable": [
+            {"frequency_hz": i.crossing.frequency_hz, "loop_gain": i.crossing.gain, "modes": list(i.modes)}
+            for i in result.instabilities
+        ],
+        "closed_loop": []
+        if poles is None
+        else [
+            {"frequency_hz": float(f), "growth_rate": float(g)}
+            for f, g in zip(poles.frequency_hz, poles.growth_rate, strict=True)
+        ],
+        "unstable_pairs": result.unstable_pairs,
+    }

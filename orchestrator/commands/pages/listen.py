@@ -1,0 +1,59 @@
+"""The command `curvesqueal listen`: results in, sound file and levels out."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..tools import Force, Json, require_free, require_suffix, screen
+
+Wheel = Annotated[
+    str | None, typer.Option(help="Wheelset whose radiating areas to take; default: the one of the results.")
+]
+Distance = Annotated[float, typer.Option(help="From the wheel to the receiver [m].")]
+
+
+def listen(
+    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Results file of a run (.nc).")],
+    out: Annotated[Path | None, typer.Option(help="WAV file to write; default: beside the results.")] = None,
+    wheel: Wheel = None,
+    distance: Distance = 7.5,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it."""
+    from ...results.file import open_results  # noqa: PLC0415
+    from ...sound.radiation import Radiation, sound_of  # noqa: PLC0415 - loads scipy and xarray
+    from ...sound.wav import pressure_of, write_wav  # noqa: PLC0415
+
+    path = results.with_suffix(".wav") if out is None else out
+    require_suffix(path, (".wav",))
+    require_free(path, force)
+    radiation = Radiation(distance=distance)
+    with open_results(results) as data:
+        pressure = pressure_of(data, wheel, radiation)
+        half = data.sizes["time"] // 2 * float(data.attrs["step_s"]) * int(data.attrs["record_every"])
+        sound = sound_of(data, wheel, radiation, max(2.0, 1.01 / half))
+        calibration = write_wav(pressure, path, f"{data.attrs['case']}, {results.name}")
+    if json:
+        levels = {"level_dba": sound.level_dba, "low_dba": sound.low_dba, "high_dba": sound.high_dba}
+        typer.echo(_as_json({"file": str(path), **asdict(calibration), **levels}))
+        return
+    screen.print(
+        f"{path}  ({calibration.duration_s:.2f} s; full scale {calibration.full_scale_pa:.3g} Pa)", highlight=False
+    )
+    screen.print(
+        f"{sound.level_dba:.1f} dB(A) at {distance:g} m, {sound.low_dba:.1f} to {sound.high_dba:.1f} dB(A) with the "
+        f"doubtful coefficients of the radiation model; wheel: {sound.wheelset}",
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def _as_json(data: dict[str, object]) -> str:
+    import json  # noqa: PLC0415
+
+    return json.dumps(data, indent=1)

@@ -1,0 +1,42 @@
+"""The command `table4`."""
+
+from __future__ import annotations
+
+import json as json_format
+
+import typer
+from rich.table import Table
+
+from ...paper.table4 import Cell, find_table4
+from ..analysis.stability import RailOption, WheelOption
+from ..tools import Json, screen
+
+
+def table4(json: Json = False, rail: RailOption = None, wheel: WheelOption = None) -> None:
+    """Print Table 4 of the paper next to ours: frequency and loop gain, cell by cell."""
+    result = find_table4(rail, wheel)
+    if json:
+        typer.echo(json_format.dumps(result.as_json(), indent=2))
+        return
+    table = Table(
+        title=f"Table 4: {result.right} of {len(result.cells)} cells right, rms ln(gain) error {result.log_error:.3f}",
+        title_justify="left",
+    )
+    for heading in ("case", "mode", "paper [Hz]", "ours [Hz]", "paper gain", "our gain", ""):
+        table.add_column(heading, justify="right")
+    for cell in result.cells:
+        table.add_row(*_row(cell))
+    screen.print(table)
+    for case, crossing in result.extra:
+        screen.print(f"case {case}: further crossing at {crossing.frequency_hz:.1f} Hz with gain {crossing.gain:.3f}")
+
+
+def _row(cell: Cell) -> tuple[str, ...]:
+    """Return a cell as a row of text."""
+    numbers = (
+        ("-" if value is None else f"{value:.{digits}f}")
+        for value, digits in (
+            (cell.paper_frequency_hz, 1), (cell.frequency_hz, 1), (cell.paper_gain, 3), (cell.gain, 3),
+        )
+    )  # fmt: skip
+    return (str(cell.case), cell.mode, *numbers, "" if cell.agrees else "!")

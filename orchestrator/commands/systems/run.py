@@ -1,0 +1,173 @@
+"""The commands `run` and `resume`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from fmus.interface import DIRECTIONS
+
+from ...coupling import master
+from ...coupling.algorithms import ALGORITHMS
+from ...coupling.recording import patterns
+from ...errors import SimulationError
+from ...runs import run as running
+from ...runs import treatments
+from ...runs.outcome import Outcome, as_json
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
+
+Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
+
+CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between checkpoints [s].")]
+
+
+def run(  # noqa: PLR0913, PLR0917 - one argument per option
+    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
+    step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
+    algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
+    values: Values = None,
+    replace: Replace = None,
+    damp: Annotated[
+        list[str] | None,
+        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
+    ] = None,
+    rail: Annotated[
+        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
+    ] = None,
+    seed: Seed = None,
+    record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
+    isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
+    timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
+    csv: Csv = False,
+    checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
+    checkpoint_every: CheckpointEvery = running.Keeping.every,
+    strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
+    json: Json = False,
+) -> None:
+    """Simulate a case of the paper or any system of co-simulation FMUs.
+
+    Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
+    """
+    sources, given = parse_sources(replace or []), parse_values(values or [])
+    if rail is not None:
+        sources["rail"] = treatments.rail_named(rail)
+    if damp:
+        given = treatments.damping_values(system, sources, given, damp)
+    scenario = Scenario(
+        system=system,
+        duration=duration,
+        step=step,
+        algorithm=algorithm,
+        values=given,
+        sources=sources,
+        seed=seed,
+        record_every=record_every,
+        record=patterns(record),
+        timeout=timeout if isolate else None,
+        strict=strict,
+    )
+    keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
+    with _progress_bar() as progress:
+        outcome = running.run_scenario(scenario, out, running.Report(progress, notice, csv, parquet=parquet), keeping)
+    _tell(outcome, json)
+
+
+def resume(
+    checkpoint: Annotated[Path, typer.Argument(help="File that `run --checkpoint` wrote.")],
+    csv: Csv = False,
+    checkpoint_every: CheckpointEvery = running.Keeping.every,
+    json: Json = False,
+) -> None:
+    """Go on with a run from its checkpoint, to the bit as if it had never stopped; the results file grows."""
+    with _progress_bar() as progress:
+        outcome = running.resume(checkpoint, running.Report(progress, notice, csv), checkpoint_every)
+    _tell(outcome, json)
+
+
+def _tell(outcome: Outcome, json: bool) -> None:
+    """Print what came out; an early end is an error or, where it was asked for, exit code 130."""
+    if json:
+        typer.echo(as_json(outcome))
+    else:
+        _show(outcome)
+    if outcome.error is not None:
+        raise SimulationError(f"{outcome.error}; results up to then are in {outcome.results}")
+    if outcome.progress.stopped:
+        say(f"stopped; results up to then are in {outcome.results}")
+        raise typer.Exit(130)
+    if outcome.progress.ended is not None:
+        notice(outcome.progress.ended)
+
+
+@contextmanager
+def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
+    """Show a bar on the error stream, with simulated time and time to go."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
+    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
+        task = bar.add_task("loading", total=None, now="")
+
+        def report(progress: master.Progress) -> None:
+            bar.update(
+                task,
+                description="simulating",
+                total=progress.total,
+                completed=progress.steps,
+                now=f"{progress.steps / progress.total:.0%}",
+            )
+
+        yield report
+
+
+def _show(outcome: Outcome) -> None:
+    """Print the table of a run."""
+    s, p = outcome.summary, outcome.progress
+    time = p.steps * outcome.settings.step
+    title = (
+        f"{outcome.case}: {time:g} s in {p.steps} steps of {outcome.settings.step:g} s ({outcome.settings.algorithm})"
+    )
+    table = Table(title=title, title_justify="left")
+    for heading in ("", *DIRECTIONS):
+        table.add_column(heading, justify="right" if heading else "left")
+    rows = (
+        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms),
+        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms),
+        ("energy into wheel and rail [J]", p.energy_into_structures),
+        ("energy residual of the coupling [J]", p.energy_residual),
+    )
+    for label, numbers in rows:
+        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+    screen.print(table)
+    lines = {
+        "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
+        "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        "energy residual": _share(sum(p.energy_residual.values()), s.energy_dissipated),
+        "spurious growth": outcome.spurious.sentence,
+        **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
+        "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
+        "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
+        "results": str(outcome.results),
+        "picture": str(outcome.picture),
+    }
+    for label, text in lines.items():
+        screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
+
+
+def _share(residual: float, dissipated: float | None) -> str:
+    """Return the energy that the coupling added, and against what the contact dissipated."""
+    against = f", {abs(residual / dissipated):.1e} of the {dissipated:.3g} J dissipated" if dissipated else ""
+    return f"{residual:.3g} J in all directions{against}"
