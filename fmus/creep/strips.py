@@ -79,9 +79,9 @@ def cell(k, cells, graded):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _block(
+def _block(  # type: ignore[no-untyped-def]
     slip_lon, slip_lat, spin_lon, spin_lat, elliptic, parabolic, a, b, cells, strips, graded, first, count, scratch, at
-):  # type: ignore[no-untyped-def]
+):
     """Return the forces of `count` strips from number `first`."""
     edge_, root_, slip_, lon_, lat_, sum_lon_, sum_lat_, sum_moment_ = (
         at, at + BLOCK, at + 2 * BLOCK, at + 3 * BLOCK, at + 4 * BLOCK, at + 5 * BLOCK, at + 6 * BLOCK, at + 7 * BLOCK,
