@@ -54,6 +54,8 @@ COMMANDS: Table = {
     "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
+    "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),
+    "map": ("analysis.map", "Show a campaign: a quantity over two parameters, Sobol indices, shares of tones."),
     "paper": ("pages.paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
 }
 RAIL_COMMANDS: Table = {
@@ -64,7 +66,9 @@ RAIL_COMMANDS: Table = {
     "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "build": ("structures.wheel", "Build a wheel FMU from modal data or finite elements."),
+    "treat": ("structures.wheel_treat", "Write a wheel with tuned absorbers or more damping."),
+    "measured": ("structures.wheel_measured", "Fit a passive modal wheel to measured functions."),
     "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70
