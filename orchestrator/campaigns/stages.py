@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError, SimulationError
 from ..runs.identity import identity
-from . import balanced, linear, simulated
+from .computed import balanced, linear, simulated
 from .factors import Value
 from .plan import Plan
 from .prepared import Campaign, Prepared, Workshop, prepare

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..limit_cycles.catalogue import Cycle, find_cycles
-from ..limit_cycles.level import Radiator
-from ..limit_cycles.search import model_of
-from .prepared import Prepared
-from .rows import Number, Quantity
+from ...limit_cycles.catalogue import Cycle, find_cycles
+from ...limit_cycles.level import Radiator
+from ...limit_cycles.search import model_of
+from ..prepared import Prepared
+from ..rows import Number, Quantity
 
 PLACES = 12
 """Cycles that a row has room for."""
