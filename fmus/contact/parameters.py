@@ -60,6 +60,8 @@ PARAMETERS = (
     _whole("grid_cells", 10, "FASTSIM grid: cells along the rolling direction"),
     _whole("grid_strips", 10, "FASTSIM grid: strips across"),
     _switch("use_displacements", True, "true: take displacements as inputs; false: integrate the velocities"),
+    _switch("integrate_wheel", False, "true: integrate the wheel's velocities; it gives no displacements"),
+    _switch("integrate_rail", False, "true: integrate the rail's velocities; it gives no displacements"),
     _parameter("pulse_force", "N", 0.0, -1e6, 1e6, "lateral half-sine force pulse at the start, on wheel and rail"),
     _parameter("pulse_duration", "s", 1e-3, 1e-6, 10.0, "duration of the force pulse"),
     *(

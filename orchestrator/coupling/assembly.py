@@ -5,17 +5,17 @@ Everything that can be wrong with a system before the first call is found here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from fmus.interface import PAIRS
+from fmus.interface import DISPLACEMENT_DIRECTIONS, PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
 from ..system.model import Element, System, Wire
 from ..system.values import component_values, elements_of, known, through, variable_unit
 from .algorithms import Coupling
-from .bonds import Bond, Link, _bonds
+from .bonds import Bond, Link, _bonds, integrated_sides
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -42,6 +42,7 @@ class Assembly:
     contact : component that takes interface mobilities, None if there is none
     notices : what a user should know before a run, one sentence each
     outputs : outputs of the system itself, each with its conversion from a component's
+    integrated : wheel, rail or both: sides that give no displacements, so that the contact integrates their velocities
     """
 
     system: System
@@ -52,6 +53,11 @@ class Assembly:
     contact: str | None
     notices: tuple[str, ...] = ()
     outputs: tuple[Link, ...] = ()
+    integrated: tuple[str, ...] = ()
+
+    def integration(self) -> dict[str, Value]:
+        """Return the parameters that make the contact integrate the velocities of a side."""
+        return {f"integrate_{side}": True for side in self.integrated}
 
     def coupling(self) -> Coupling:
         """Return what the master algorithms need to know."""
@@ -98,9 +104,13 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     passed_over = (notice for v in values.values() for notice in v.notices)
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
-    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters))
+    integrated = () if contact is None else integrated_sides(links, contact, fmus[contact], parameters[contact].keys())
+    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters, _passed_over(contact, integrated)))
+    notices += tuple(f"{s} gives no displacements; the contact integrates its velocities" for s in integrated)
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
-    return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
+    return Assembly(
+        system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs, integrated
+    )
 
 
 def _check_connectors(element: Element, fmu: Fmu) -> None:
@@ -168,11 +178,19 @@ def _check_inputs(links: Iterable[Link]) -> None:
         fed.add(key)
 
 
+def _passed_over(contact: str | None, integrated: Iterable[str]) -> set[tuple[str, str]]:
+    """Return the displacement inputs of the contact that it does without."""
+    return {(str(contact), f"{s}_u_{d}") for s in integrated for d in DISPLACEMENT_DIRECTIONS}
+
+
 def _held_inputs(
-    links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
+    links: Iterable[Link],
+    fmus: Mapping[str, Fmu],
+    parameters: Mapping[str, Mapping[str, Value]],
+    known: Collection[tuple[str, str]],
 ) -> Iterable[str]:
-    """Yield a notice for each input that neither a connection nor a value reaches."""
-    fed = {(link.wire.end_element, link.wire.end_connector) for link in links}
+    """Yield a notice for each input that neither a connection nor a value reaches, nor another notice."""
+    fed = {(link.wire.end_element, link.wire.end_connector) for link in links} | set(known)
     for name, fmu in fmus.items():
         for variable in fmu.names("input"):
             if (name, variable) not in fed and variable not in parameters[name]:

@@ -68,6 +68,7 @@ def _values(assembly: Assembly, step: float) -> dict[str, dict[str, Value]]:
     values = {name: with_step(fmu, assembly.parameters[name], step) for name, fmu in assembly.fmus.items()}
     if assembly.contact is not None:
         values[assembly.contact].update(contact_mobility(assembly, step))
+        values[assembly.contact].update(assembly.integration())
     return values
 
 

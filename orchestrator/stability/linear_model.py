@@ -42,14 +42,14 @@ class LinearModel:
     ----------
     wheel, rail : modes that move, or what was identified
     contact : linearised at its steady state
-    displacements : whether the contact takes displacements; else it integrates velocities
+    integrated : wheel, rail or both: whose velocities the contact integrates, for want of their displacements
     identified : names of the components that show no modes
     """
 
     wheel: Structure
     rail: Structure
     contact: LinearContact
-    displacements: bool = True
+    integrated: tuple[str, ...] = ()
     identified: tuple[str, ...] = ()
 
     @cached_property
@@ -104,7 +104,8 @@ def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
     shown = {s: _shown(names[s], values[s]) if s in plain else None for s in STRUCTURES}
     hidden = tuple(names[s] for s, modes in shown.items() if modes is None)
     wheel, rail = (modes if modes is not None else _identified(assembly, names[s], step) for s, modes in shown.items())
-    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden)
+    law |= {name: float(bool(value)) for name, value in assembly.integration().items()}
+    return LinearModel(wheel, rail, contact, _integrated(law), hidden)
 
 
 def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:
@@ -140,7 +141,14 @@ def model_of(data: xr.Dataset) -> LinearModel:
     law = {k: v for k, v in (values.get("contact") or {}).items() if not k.startswith("mobility_")}
     if not law or any(not isinstance(value, float) for value in law.values()):
         raise InputError("the results tell no parameters of the contact, so the poles of the system are not known")
-    return LinearModel(structures[0], structures[1], linear_contact(law), bool(law.get("use_displacements", 1.0)))
+    return LinearModel(structures[0], structures[1], linear_contact(law), _integrated(law))
+
+
+def _integrated(law: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the sides whose velocities the contact integrates."""
+    if not law["use_displacements"]:
+        return STRUCTURES
+    return tuple(s for s in STRUCTURES if law[f"integrate_{s}"])
 
 
 def _without_rounding(contact: LinearContact, law: Mapping[str, float]) -> LinearContact:
