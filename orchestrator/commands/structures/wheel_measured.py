@@ -10,7 +10,7 @@ from rich.table import Table
 
 from ..tools import Force, Json, messages, notice, require_free, require_suffix, screen, user_mistakes
 from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
-from .wheel import write_wheel
+from .wheel import read_wheel, write_wheel
 
 if TYPE_CHECKING:
     from fmus.wheel.measured import MeasuredWheel
@@ -24,6 +24,10 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
     axis: Axis = None,
     start: From = None,
     stop: To = None,
+    labels: Annotated[
+        str | None,
+        typer.Option("--like", help="Wheel whose labels are taken over: class158, CSV or TOML."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="FILE.fmu or modal data FILE.toml; default: none.")] = None,
     force: Force = False,
     json: Json = False,
@@ -32,6 +36,7 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Takes a minute or two for a band of 6 kHz.
     """
+    from fmus.wheel.areas import like  # noqa: PLC0415
     from fmus.wheel.measured import wheel_from_files  # noqa: PLC0415
 
     with user_mistakes():
@@ -41,16 +46,15 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
         chosen = choice(quantity, units, node, axis, (start, stop))
         with messages.status("reading") as status:
             fit = wheel_from_files(files, chosen, lambda words: status.update(f"fitting: {words}"))
+        modes = fit.modes if labels is None else like(fit.modes, read_wheel(labels))
         if out is not None:
             names = ", ".join(file.name for file in files)
             write_wheel(
                 fit.modes, out, "measured wheel", f"modes fitted to the functions in {names} (fmus.wheel.measured)"
             )
     if json:
-        used = [dict(row) for row in fit.used]
-        screen.print_json(
-            data={"modes": len(fit.modes), "quality": fit.quality, "notes": list(fit.notes), "used": used}
-        )
+        data = {"modes": len(modes), "labels": list(modes.labels), "quality": fit.quality, "notes": list(fit.notes)}
+        screen.print_json(data={**data, "used": [dict(row) for row in fit.used]})
         return
     screen.print(_table(fit))
     print_used(fit.used)
