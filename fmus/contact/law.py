@@ -5,7 +5,7 @@ import math
 from ..compile import kernel
 from ..creep.blended import blended
 from ..creep.fastsim import fastsim
-from ..creep.friction import falling_factor
+from .friction import friction_factor
 from .layout import SCRATCH, D
 from .parameters import BLENDED, P
 
@@ -39,11 +39,7 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
 
     `derived` lends scratch space, which is zero again afterwards.
     """
-    tau = falling_factor(
-        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
-        parameters[P.falling_ratio],
-        parameters[P.saturation_coefficient],
-    )
+    tau = friction_factor(parameters, math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat))
     friction = parameters[P.mu0] * load
     a, b = parameters[P.semi_axis_lon], parameters[P.semi_axis_lat]
     cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
