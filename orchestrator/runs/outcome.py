@@ -12,6 +12,7 @@ from ..coupling.master import Progress, Settings
 from ..results.file import open_results
 from ..signals.summary import Summary
 from ..stability.scheme import Spurious
+from .verdict import Verdict
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -29,6 +30,7 @@ class Outcome:
     picture : the picture of histories and spectra; None if none was asked for or it could not be written
     spurious : what the algorithm does to the growth rates
     error : why it ended early; None if it did not
+    verdict : whether it squeals, how, and how far that can be trusted
     """
 
     case: str
@@ -39,6 +41,7 @@ class Outcome:
     picture: Path | None
     spurious: Spurious
     error: str | None
+    verdict: Verdict
 
     @cached_property
     def data(self) -> xr.Dataset:
@@ -51,6 +54,7 @@ def as_json(outcome: Outcome) -> str:
     s, p = outcome.summary, outcome.progress
     data = {
         "case": outcome.case,
+        **outcome.verdict.as_data(),
         "steps": p.steps,
         "step_s": outcome.settings.step,
         "duration_s": p.steps * outcome.settings.step,

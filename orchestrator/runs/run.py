@@ -5,19 +5,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..coupling.master import Master, Progress
 from ..errors import InputError, SimulationError
 from ..results.file import ResultsFile, open_results
 from ..results.formats import require_parquet, write_csv, write_parquet
 from ..signals.summary import Summary, summarise
-from ..stability.scheme import spurious_growth
+from ..stability.scheme import Spurious, spurious_growth
 from .attributes import _attributes
 from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
 from .outcome import Outcome
 from .scenario import Scenario
 from .stopping import stop_on_signals
+from .verdict import Verdict, verdict
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -119,15 +125,22 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
         except OSError as failure:
             error = f"{results.path}: cannot write results: {failure.strerror or failure}"
     spurious = spurious_growth(master.assembly, master.settings)
-    summary, picture = _finish(results.path, error, report)
+    summary, picture, answer = _finish(results.path, error, report, partial(_verdict, master.progress, spurious))
     case = master.assembly.system.name
-    return Outcome(case, master.settings, master.progress, summary, results.path, picture, spurious, error)
+    return Outcome(case, master.settings, master.progress, summary, results.path, picture, spurious, error, answer)
 
 
-def _finish(path: Path, error: str | None, report: Report) -> tuple[Summary, Path | None]:
-    """Summarise and draw what was recorded."""
+def _verdict(progress: Progress, spurious: Spurious, data: xr.Dataset, summary: Summary) -> Verdict:
+    return verdict(data, summary, progress, spurious)
+
+
+def _finish(
+    path: Path, error: str | None, report: Report, answer: Callable[[xr.Dataset, Summary], Verdict]
+) -> tuple[Summary, Path | None, Verdict]:
+    """Summarise, judge and draw what was recorded."""
     with open_results(path) as data:
         summary = summarise(data)
+        judged = answer(data, summary)
         picture = None
         try:
             if report.picture:
@@ -142,7 +155,7 @@ def _finish(path: Path, error: str | None, report: Report) -> tuple[Summary, Pat
         except OSError as failure:
             said = f"cannot write beside {path}: {failure.strerror or failure}"
             raise SimulationError(f"{error}; {said}" if error else said) from None
-        return summary, picture
+        return summary, picture, judged
 
 
 def _claim(folder: Path, name: str) -> Path:

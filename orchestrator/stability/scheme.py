@@ -112,10 +112,12 @@ class Spurious:
     ----------
     largest : largest error of a growth rate below 5 kHz [1/s]; None if it is not known
     sentence : the figures, or why there are none
+    invented : number of stable modes that it makes unstable
     """
 
     largest: float | None
     sentence: str
+    invented: int = 0
 
 
 def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
@@ -125,4 +127,4 @@ def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
         growth = growth_of_scheme(model, settings.step, settings.algorithm)
     except InputError as reason:
         return Spurious(None, f"not known: {reason}")
-    return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step))
+    return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step), growth.modes.invented)

@@ -151,6 +151,7 @@ def _show(outcome: Outcome) -> None:
     )
     for label, numbers in rows:
         table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+    screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
