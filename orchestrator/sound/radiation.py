@@ -159,19 +159,31 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
         if len(chosen.modes) != count:
             raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return chosen
-    frequency, shape = _block(data, "frequency"), _block(data, "shape_lat")
-    fitting = [
-        candidate
-        for candidate in map(_named, shipped())
-        if len(candidate.modes) == count == frequency.size
-        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency, rtol=_SAME_FREQUENCY)
-    ]
-    if fitting:
-        return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
+    frequency = _block(data, "frequency")
+    found = fitting_wheelset(frequency, _block(data, "shape_lat")) if frequency.size == count else None
+    if found is not None:
+        return found
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
         "name a wheel, or give its file"
     )
+
+
+def fitting_wheelset(frequency_hz: Real, shape_lat: Real) -> Wheelset | None:
+    """Return the shipped wheelset that has these natural frequencies [Hz] and most nearly these lateral shapes.
+
+    None if none has. Without shapes (empty) the first one is taken.
+    """
+    fitting = [
+        candidate
+        for candidate in map(_named, shipped())
+        if len(candidate.modes) == frequency_hz.size
+        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency_hz, rtol=_SAME_FREQUENCY)
+    ]
+    if not fitting:
+        return None
+    size = shape_lat.size
+    return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape_lat).sum()) if size else 0.0)
 
 
 def shipped() -> list[str]:

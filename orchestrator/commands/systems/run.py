@@ -48,6 +48,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     csv: Csv = False,
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
+    strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
     json: Json = False,
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
@@ -65,6 +66,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         record_every=record_every,
         record=patterns(record),
         timeout=timeout if isolate else None,
+        strict=strict,
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:
@@ -95,6 +97,8 @@ def _tell(outcome: Outcome, json: bool) -> None:
     if outcome.progress.stopped:
         say(f"stopped; results up to then are in {outcome.results}")
         raise typer.Exit(130)
+    if outcome.progress.ended is not None:
+        notice(outcome.progress.ended)
 
 
 @contextmanager

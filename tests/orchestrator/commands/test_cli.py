@@ -46,12 +46,12 @@ def test_run_prints_one_json_object(case1: tuple[Path, dict[str, object]]) -> No
 def test_run_leaves_results_csv_and_picture(case1: tuple[Path, dict[str, object]]) -> None:
     folder, data = case1
     with open_results(Path(str(data["results"]))) as results:
-        assert results.sizes["time"] == 2500
+        assert results.sizes["time"] == 2501
         attributes = results.attrs
         assert json.loads(attributes["parameters"])["contact"]["falling_ratio"] == 0.1
         assert set(json.loads(attributes["fmus"])) == {"wheel", "rail", "contact"}
         assert {"curvesqueal", "python", "numpy"} <= set(json.loads(attributes["versions"]))
-    assert len((folder / "case1.csv").read_text().splitlines()) == 2501
+    assert len((folder / "case1.csv").read_text().splitlines()) == 2502
     with Image.open(str(data["picture"])) as picture:
         assert picture.width > 1000
 
