@@ -18,6 +18,7 @@ from ..system.values import component_values, elements_of, known, resized, throu
 from .bonds import Bond, Link, _bonds
 from .dependencies import Coupling, Node
 from .rates import period
+from .swaps import without_rigid
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -120,7 +121,8 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     fmus = {name: resized(element, fmus[name]) for name, element in system.elements.items()}
     for name, element in system.elements.items():
         _check_connectors(element, fmus[name])
-    links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
+    wires, rigid = without_rigid(system, fmus)
+    links = tuple(_link(wire, system, fmus) for whole in wires for wire in _by_element(whole, fmus))
     _check_inputs(links, fmus)
     values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
     parameters = {name: v.values for name, v in values.items()}
@@ -128,7 +130,13 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
     faults = {f for fmu in fmus.values() for f in fmu.faults}
-    notices = (*system.notices, *sorted(faults), *passed_over, *_held_inputs(links, fmus, parameters))
+    notices = (
+        *system.notices,
+        *sorted(faults),
+        *rigid,
+        *passed_over,
+        *_held_inputs(links, fmus, parameters, set(system.wires) - set(wires)),
+    )
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
     return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
 
@@ -213,10 +221,16 @@ def _check_inputs(links: Iterable[Link], fmus: Mapping[str, Fmu]) -> None:
 
 
 def _held_inputs(
-    links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
+    links: Iterable[Link],
+    fmus: Mapping[str, Fmu],
+    parameters: Mapping[str, Mapping[str, Value]],
+    told: Iterable[Wire],
 ) -> Iterable[str]:
-    """Yield a notice for each input that neither a connection nor a value reaches."""
+    """Yield a notice for each input that neither a connection nor a value reaches; not for ends of wires in `told`."""
     fed: dict[str, set[tuple[str, int, int]]] = {name: set() for name in fmus}
+    for wire in told:
+        if wire.end_connector in fmus[wire.end_element].variables:
+            fed[wire.end_element].add(fmus[wire.end_element].variables[wire.end_connector].place)
     for link in links:
         fed[link.wire.end_element].add(fmus[link.wire.end_element].variables[link.wire.end_connector].place)
     for name, fmu in fmus.items():

@@ -173,20 +173,26 @@ def in_si(mapping: Mapping[str, Signal], factors: Mapping[str, float]) -> dict[s
 
 
 def impulse_responses(
-    fmu: Fmu, mapping: Mapping[str, Signal], step: float, parameters: Mapping[str, Value] | None = None
+    fmu: Fmu,
+    mapping: Mapping[str, Signal],
+    step: float,
+    parameters: Mapping[str, Value] | None = None,
+    duration: float = LONGEST,
 ) -> Responses:
     """Return what a unit force held over the first step does, for each direction of the force.
 
-    Each is followed until the velocity in its direction has settled, grown, or lasted `LONGEST`; after that, zeros.
+    Each is followed until the velocity in its direction has settled, grown, or lasted for `duration` [s]; after that,
+    zeros.
     """
-    columns = [_impulse_response(partial(Probe, fmu, mapping, step, parameters), step, k) for k in range(4)]
+    start = partial(Probe, fmu, mapping, step, parameters)
+    columns = [_impulse_response(start, step, k, duration) for k in range(4)]
     longest = max(len(column) for column in columns)
     padded = np.stack([np.pad(column, ((0, longest - len(column)), (0, 0))) for column in columns], axis=2)
     padded[:, ~np.isfinite(padded[0])] = np.nan
     return Responses(padded[:, :4], padded[:, 4:], step)
 
 
-def _impulse_response(start: Callable[[], Probe], step: float, direction: int) -> Real:
+def _impulse_response(start: Callable[[], Probe], step: float, direction: int, duration: float) -> Real:
     """Return velocities and ways (n, 8) per unit force in one direction over the first step."""
     block = max(round(BLOCK / step), 50)
     forces = np.zeros((block, 4))
@@ -194,7 +200,7 @@ def _impulse_response(start: Callable[[], Probe], step: float, direction: int) -
     probe = start()
     parts = [probe.run(forces)]
     first = np.abs(parts[0].velocity[:, direction]).max()
-    while len(parts) * block * step < LONGEST:
+    while len(parts) * block * step < duration:
         last = np.abs(parts[-1].velocity[:, direction]).max()
         if not SETTLED * first < last < GROWN * first:
             break
