@@ -64,7 +64,9 @@ RAIL_COMMANDS: Table = {
     "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "build": ("structures.wheel", "Build a wheel FMU from modal data or finite elements."),
+    "treat": ("structures.wheel_treat", "Write a wheel with tuned absorbers or more damping."),
+    "measured": ("structures.wheel_measured", "Fit a passive modal wheel to measured functions."),
     "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70

@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.modal.data import read_modal_data
 from fmus.modal.parameters import block_of, modal_velocities
+from fmus.wheel.areas import estimated_wheelset
 from fmus.wheel.class158 import class158
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
@@ -197,6 +199,10 @@ def _named(wheel: str) -> Wheelset:
         return class158()
     path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
     try:
+        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
+            data = read_modal_data(path)
+            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
+            return estimated_wheelset(data.modes, title)
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None

@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...component import Component
 from ...interface import DEFAULT_STEP
+from ...modal.layout import DAMPING_RATIO
 from .arrays import Array, arrays, scalars
 from .common import identify, log_categories, roles, type_attributes, unit_definitions
 
@@ -63,7 +64,7 @@ def _variable(reference: int, group: Array) -> Element:
     attributes = {
         "name": group.name,
         "valueReference": str(reference),
-        "description": text if group.is_scalar else text.rsplit(" of mode ", 1)[0] + ", one value per mode",
+        "description": text if group.is_scalar else _of_all(group),
         **roles(variable),
         **type_attributes(variable),
     }
@@ -73,6 +74,13 @@ def _variable(reference: int, group: Array) -> Element:
     if not group.is_scalar:
         SubElement(element, "Dimension", start=str(len(group.variables)))
     return element
+
+
+def _of_all(group: Array) -> str:
+    """Return the description of an array; that of the damping ratios has the labels of the modes."""
+    parts = [variable.description.partition(" of mode ") for variable in group.variables]
+    text, labels = f"{parts[0][0]}, one value per mode", [part[2].partition(", ")[2] for part in parts]
+    return f"{text}: {'; '.join(labels)}" if group.name == DAMPING_RATIO and any(labels) else text
 
 
 def _model_structure(root: Element, groups: list[Array]) -> None:

@@ -19,6 +19,7 @@ from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
 from ...errors import SimulationError
 from ...runs import run as running
+from ...runs import treatments
 from ...runs.outcome import Outcome, as_json
 from ...runs.scenario import Scenario
 from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
@@ -35,6 +36,13 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
     values: Values = None,
     replace: Replace = None,
+    damp: Annotated[
+        list[str] | None,
+        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
+    ] = None,
+    rail: Annotated[
+        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
+    ] = None,
     seed: Seed = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
@@ -56,13 +64,18 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
     """
+    sources, given = parse_sources(replace or []), parse_values(values or [])
+    if rail is not None:
+        sources["rail"] = treatments.rail_named(rail)
+    if damp:
+        given = treatments.damping_values(system, sources, given, damp)
     scenario = Scenario(
         system=system,
         duration=duration,
         step=step,
         algorithm=algorithm,
-        values=parse_values(values or []),
-        sources=parse_sources(replace or []),
+        values=given,
+        sources=sources,
         seed=seed,
         record_every=record_every,
         record=patterns(record),

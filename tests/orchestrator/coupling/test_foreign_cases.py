@@ -204,3 +204,10 @@ def test_instances_do_not_see_what_others_write_into_their_resources(tmp_path: P
     for _ in range(2):
         _, found, _ = simulate(ssd, Settings(0.1, 0.2))
         assert (found["a.y"][-1], found["b.y"][-1]) == (3.0, 3.0)
+
+
+def test_an_execution_tool_is_told_once(tmp_path: Path) -> None:
+    flags = f'{ANY_STEP} needsExecutionTool="true"'
+    fmu = foreign_fmu(tmp_path / "x.fmu", Y, step="m->r[1]=m->t", attributes=flags)
+    _, _, master = simulate(write_ssd(tmp_path / "s.ssd", {"a": fmu, "b": fmu}, []), Settings(0.1, 0.2))
+    assert master.notices == ["a (x.fmu) needs an execution tool on this machine: a tool that it does not name"]
