@@ -136,20 +136,22 @@ def power_per_velocity(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, r
     return factor
 
 
-def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
+def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheelset:
     """Return the wheelset of a results file, whose radiating areas are needed.
 
     Parameters
     ----------
     data : results with the wheel's parameters and modal velocities
-    wheel : name of a shipped wheelset or a file such as those in fmus/wheel/data; None: the shipped one that has the
-        natural frequencies, and most nearly the shapes, of the results
+    wheel : a wheelset, name of a shipped one or a file such as those in fmus/wheel/data; None: the shipped one that
+        has the natural frequencies, and most nearly the shapes, of the results
 
     Raises
     ------
     InputError
         If no wheelset fits.
     """
+    if isinstance(wheel, Wheelset):
+        return wheel
     count = len(modal_velocities("wheel", data.data_vars))
     if count == 0:
         raise InputError(
@@ -229,7 +231,9 @@ def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
     import xarray as xr  # noqa: PLC0415
 
     names = modal_velocities("wheel", data.data_vars)
-    return xr.concat([narrow_band(data[name].rename("modal_velocity"), resolution_hz) for name in names], dim="mode")
+    values = np.stack([data[name].to_numpy() for name in names])
+    velocity = xr.DataArray(values, {"time": data["time"]}, ("mode", "time"), "modal_velocity", data[names[0]].attrs)
+    return narrow_band(velocity, resolution_hz)
 
 
 def sound_power(spectra: xr.DataArray, wheelset: Wheelset, radiation: Radiation | None = None) -> xr.DataArray:
@@ -281,7 +285,10 @@ class Sound:
 
 
 def sound_of(
-    data: xr.Dataset, wheel: str | None = None, radiation: Radiation | None = None, resolution_hz: float = 2.0
+    data: xr.Dataset,
+    wheel: str | Wheelset | None = None,
+    radiation: Radiation | None = None,
+    resolution_hz: float = 2.0,
 ) -> Sound:
     """Return the sound of the second half of a run.
 
