@@ -18,6 +18,7 @@ from ..system.values import component_values, elements_of, known, resized, throu
 from .bonds import Bond, Link, _bonds, integrated_sides
 from .dependencies import Coupling, Node
 from .rates import period
+from .swaps import without_rigid
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -126,7 +127,8 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     fmus = {name: resized(element, fmus[name]) for name, element in system.elements.items()}
     for name, element in system.elements.items():
         _check_connectors(element, fmus[name])
-    links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
+    wires, rigid = without_rigid(system, fmus)
+    links = tuple(_link(wire, system, fmus) for whole in wires for wire in _by_element(whole, fmus))
     _check_inputs(links, fmus)
     values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
     parameters = {name: v.values for name, v in values.items()}
@@ -135,8 +137,10 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
     integrated = () if contact is None else integrated_sides(links, contact, fmus[contact], parameters[contact].keys())
     faults = {f for fmu in fmus.values() for f in fmu.faults}
-    notices = (*system.notices, *sorted(faults), *passed_over)
-    notices += tuple(_held_inputs(links, fmus, parameters, _passed_over(contact, integrated)))
+    left = {(w.end_element, w.end_connector) for w in set(system.wires) - set(wires)}
+    told = [end for end in left if end[1] in fmus[end[0]].variables]
+    notices = (*system.notices, *sorted(faults), *rigid, *passed_over)
+    notices += tuple(_held_inputs(links, fmus, parameters, [*_passed_over(contact, integrated), *told]))
     notices += tuple(f"{s} gives no displacements; the contact integrates its velocities" for s in integrated)
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
     return Assembly(

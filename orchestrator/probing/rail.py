@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from fmus.interface import DIRECTIONS, Port, structure_inputs, structure_outputs
 
 from ..errors import InputError, SimulationError
-from ..fmi.instance import Fmu, FmuInstance
+from ..fmi.instance import Fmu, FmuInstance, Value
 from ..system.reader import read_system
 from .mobility import with_step
 from .rail_passivity import Responses
@@ -118,22 +119,27 @@ class Probe(FmuInstance):
 
     Parameters
     ----------
-    mapping : by name of the contract; forces and velocities complete, factors for SI units
+    mapping : by name of the contract, factors for SI units; a direction without force and velocity is rigid
     step : communication step [s]
+    parameters : values to set before the start
     """
 
-    def __init__(self, fmu: Fmu, mapping: Mapping[str, Signal], step: float) -> None:
+    def __init__(
+        self, fmu: Fmu, mapping: Mapping[str, Signal], step: float, parameters: Mapping[str, Value] | None = None
+    ) -> None:
         super().__init__(fmu, "rail")
         self.step_size = step
         self._steps = 0
-        self._forces = [mapping[f"f_{d}"].variable for d in DIRECTIONS]
-        self._force_factor = np.array([1 / mapping[f"f_{d}"].factor for d in DIRECTIONS])
+        moving = [d for d in DIRECTIONS if f"f_{d}" in mapping]
+        self._forces = [mapping[f"f_{d}"].variable for d in moving]
+        self._force_factor = np.array([1 / mapping[f"f_{d}"].factor for d in moving])
+        self._moving = np.array([d in moving for d in DIRECTIONS])
         outputs = [f"{kind}_{d}" for kind in "vu" for d in DIRECTIONS]
         self._offered = np.array([name in mapping for name in outputs])
         offered = [mapping[name] for name in outputs if name in mapping]
         self._motions = [signal.variable for signal in offered]
         self._motion_factor = np.array([signal.factor for signal in offered])
-        self.set(with_step(fmu, {}, step))
+        self.set(with_step(fmu, parameters or {}, step))
         self.enter_initialization_mode(0.0, 1e3)
         self.exit_initialization_mode()
 
@@ -146,7 +152,8 @@ class Probe(FmuInstance):
             If a call fails or the rail puts out what is not a number.
         """
         motion = np.full((len(forces), 8), np.nan)
-        rows = (forces * self._force_factor).tolist()
+        motion[:, :4][:, ~self._moving] = 0.0
+        rows = (forces[:, self._moving] * self._force_factor).tolist()
         for n, row in enumerate(rows):
             self.set(dict(zip(self._forces, row, strict=True)))
             self.do_step(self._steps * self.step_size, self.step_size)
@@ -165,27 +172,35 @@ def in_si(mapping: Mapping[str, Signal], factors: Mapping[str, float]) -> dict[s
     return {name: replace(signal, factor=signal.factor * factors[name]) for name, signal in mapping.items()}
 
 
-def impulse_responses(fmu: Fmu, mapping: Mapping[str, Signal], step: float) -> Responses:
+def impulse_responses(
+    fmu: Fmu,
+    mapping: Mapping[str, Signal],
+    step: float,
+    parameters: Mapping[str, Value] | None = None,
+    duration: float = LONGEST,
+) -> Responses:
     """Return what a unit force held over the first step does, for each direction of the force.
 
-    Each is followed until the velocity in its direction has settled, grown, or lasted `LONGEST`; after that, zeros.
+    Each is followed until the velocity in its direction has settled, grown, or lasted for `duration` [s]; after that,
+    zeros.
     """
-    columns = [_impulse_response(fmu, mapping, step, k) for k in range(4)]
+    start = partial(Probe, fmu, mapping, step, parameters)
+    columns = [_impulse_response(start, step, k, duration) for k in range(4)]
     longest = max(len(column) for column in columns)
     padded = np.stack([np.pad(column, ((0, longest - len(column)), (0, 0))) for column in columns], axis=2)
     padded[:, ~np.isfinite(padded[0])] = np.nan
     return Responses(padded[:, :4], padded[:, 4:], step)
 
 
-def _impulse_response(fmu: Fmu, mapping: Mapping[str, Signal], step: float, direction: int) -> Real:
+def _impulse_response(start: Callable[[], Probe], step: float, direction: int, duration: float) -> Real:
     """Return velocities and ways (n, 8) per unit force in one direction over the first step."""
     block = max(round(BLOCK / step), 50)
     forces = np.zeros((block, 4))
     forces[0, direction] = NOMINAL[direction]
-    probe = Probe(fmu, mapping, step)
+    probe = start()
     parts = [probe.run(forces)]
     first = np.abs(parts[0].velocity[:, direction]).max()
-    while len(parts) * block * step < LONGEST:
+    while len(parts) * block * step < duration:
         last = np.abs(parts[-1].velocity[:, direction]).max()
         if not SETTLED * first < last < GROWN * first:
             break

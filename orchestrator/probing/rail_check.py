@@ -22,7 +22,7 @@ from ..fmi.instance import Fmu, open_fmu
 from .mobility import published_mobility, with_step
 from .rail import NOMINAL, PORTS, Motion, Probe, Signal, impulse_responses, in_si, read_mapping
 from .rail_declaration import FAIL, NOT_OFFERED, NOT_RUN, PASS, Check, check_declaration
-from .rail_passivity import Mobility, Responses, estimate_mobility, find_activity, find_growth
+from .rail_passivity import Mobility, Responses, estimate_mobility, find_activity, find_growth, find_lateness
 
 Real = NDArray[np.float64]
 
@@ -170,11 +170,13 @@ def _displacement(rail: _Rail) -> tuple[str, str]:
     The limit is wide: what very fast modes move between the ends of the steps is in the displacement only. Wrong signs,
     units and directions are far beyond it.
     """
+    offered = [j for j, d in enumerate(DIRECTIONS) if f"u_{d}" in rail.mapping]
+    if not offered:
+        return NOT_OFFERED, "no displacements"
     probe = rail.probe()
     motion = probe.run(np.hanning(RANDOM_STEPS)[:, None] * NOMINAL)
     probe.close()
     integral = np.cumsum(_ways(motion.velocity, rail.step), axis=0)
-    offered = [j for j, d in enumerate(DIRECTIONS) if f"u_{d}" in rail.mapping]
     deviation = (np.abs(motion.displacement - integral).max(axis=0) / _largest(integral))[offered]
     worst = int(np.argmax(deviation))
     direction = DIRECTIONS[offered[worst]]
@@ -184,6 +186,9 @@ def _displacement(rail: _Rail) -> tuple[str, str]:
 
 def _passivity(rail: _Rail) -> tuple[str, str]:
     """No force history takes more energy out than it put in."""
+    late = find_lateness(rail.responses)
+    if late is not None:
+        return FAIL, f"{late}; outputs are those at the end of the step"
     growing = find_growth(rail.responses)
     if growing is not None:
         return FAIL, f"active: {growing}"

@@ -20,6 +20,7 @@ from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
 from .outcome import Outcome
 from .scenario import Scenario
 from .stopping import stop_on_signals
+from .trial import try_replaced
 from .verdict import Verdict, verdict
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -49,6 +50,7 @@ class Report:
     progress : called after each chunk of steps
     notice : called with each sentence that the user should read
     csv, parquet : whether to write the results in this form, too
+    trial : whether replaced structures are tried before the run
     picture : whether to draw histories and spectra
     """
 
@@ -57,6 +59,7 @@ class Report:
     csv: bool = False
     picture: bool = True
     parquet: bool = False
+    trial: bool = True
 
 
 def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keeping | None = None) -> Outcome:
@@ -72,6 +75,8 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     if report.parquet:
         require_parquet()
     assembly, settings = scenario.prepare()
+    if report.trial:
+        try_replaced(assembly, settings)
     if keeping is not None:
         check_serialisable(assembly)
     with Master(assembly, settings) as master:

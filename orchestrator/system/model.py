@@ -79,6 +79,7 @@ class Element:
     connectors : what the SSD says of its connectors
     stage : place in the order of stepping that an annotation gives it, None if none does
     step : step of its own that an annotation gives it [s], None if none does
+    replaced : whether the user put another FMU in its place: what the SSD says of units and values was of the first one
     """
 
     name: str
@@ -87,6 +88,7 @@ class Element:
     connectors: dict[str, Connector] = field(default_factory=dict)
     stage: int | None = None
     step: float | None = None
+    replaced: bool = False
 
     @property
     def units(self) -> dict[str, str]:
@@ -172,7 +174,7 @@ class System:
         for name, source in sources.items():
             if name not in elements:
                 raise InputError(f"replace {name}: the system has no component {name!r}; it has {listing(elements)}")
-            elements[name] = replace(elements[name], source=source)
+            elements[name] = replace(elements[name], source=source, replaced=True)
         return replace(self, elements=elements)
 
     def with_parameters(self, values: dict[str, dict[str, Value]]) -> System:

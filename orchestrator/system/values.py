@@ -42,7 +42,8 @@ def _unknown(name: str, fmu: Fmu) -> str:
     array = elements_of(name, fmu)
     if array:
         return f"{name} is an array; name an element, {array[0]} to {array[-1]}"
-    close = get_close_matches(name, fmu.variables, n=1)
+    same = [v for v in fmu.variables if v.lower() == name.lower()]
+    close = same or get_close_matches(name, fmu.variables, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     return f"{fmu.path.name} has no variable {name!r}{hint}"
 
@@ -83,6 +84,8 @@ def component_values(element: Element, fmu: Fmu) -> Values:
     declared = {variable.name: variable for variable in fmu.description.modelVariables}
     for name, parameter in _by_element(element, fmu):
         if name not in fmu.variables and parameter.origin is not None:
+            if element.replaced:
+                continue  # it was for the FMU that stood here
             notices.append(f"{parameter.origin}: not applied to {element.name}: {_unknown(name, fmu)}")
             continue
         where = f"parameter {element.name}.{name}"
@@ -134,7 +137,7 @@ def variable_unit(element: Element, fmu: Fmu, name: str, where: str) -> Unit | s
     """Return the unit of a variable, an element of an array too; what SSD and FMU say must agree."""
     connector = element.connectors.get(name) or element.connectors.get(name.partition("[")[0])
     own, told = own_unit(fmu, name), connector.unit if connector is not None else None
-    if own and told:
+    if own and told and not element.replaced:
         factor, offset = conversion(told, own, f"{where}: {element.name}.{name}, SSD against FMU")
         if (factor, offset) != (1.0, 0.0):
             raise InputError(

@@ -88,7 +88,7 @@ class Coupled:
         if velocities is not None:
             begin = 0
             for instance in instances:
-                n = instance.component.state_size // 2
+                n = len(modes_of(instance.component))
                 for i in range(n):
                     instance.set_parameter(f"{INITIAL_VELOCITY}_{i + 1:03d}", float(velocities[begin + i]))
                 begin += n
@@ -145,7 +145,8 @@ class Coupled:
     @property
     def state(self) -> Real:
         """Modal velocities of wheel and rail, then their modal displacements."""
-        halves = [np.split(part.state, 2) for part in (self.wheel, self.rail)]
+        moving = [part for part in (self.wheel, self.rail) if len(modes_of(part.component))]
+        halves = [np.split(part.state, 2) for part in moving]
         return np.concatenate([half[i] for i in (0, 1) for half in halves])
 
 

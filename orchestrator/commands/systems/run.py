@@ -57,6 +57,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
     strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
+    check: Annotated[bool, typer.Option(help="Try replaced structures before the run: sign, size, energy.")] = True,
     json: Json = False,
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
@@ -83,7 +84,9 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:
-        outcome = running.run_scenario(scenario, out, running.Report(progress, notice, csv, parquet=parquet), keeping)
+        outcome = running.run_scenario(
+            scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
+        )
     _tell(outcome, json)
 
 

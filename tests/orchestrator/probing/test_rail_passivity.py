@@ -13,9 +13,18 @@ from fmus.component import Component, Instance
 from fmus.modal.component import structure
 from fmus.modal.modes import Modes, mobility
 from fmus.rail.component import paper_rail, rail
-from orchestrator.probing.rail_passivity import Responses, estimate_mobility, find_activity, find_growth
+from orchestrator.probing.rail_passivity import (
+    Responses,
+    estimate_mobility,
+    find_activity,
+    find_growth,
+    find_lateness,
+    lowest_energy,
+)
 
 STEP = 5e-6
+
+Real = NDArray[np.float64]
 
 
 def responses(modes: Modes, steps: int, sign: float = 1.0) -> Responses:
@@ -129,3 +138,73 @@ def test_energy_from_cross_terms_is_found() -> None:
     said = find_activity(estimate_mobility(Responses(way / STEP, way, STEP)), STEP)
     assert said is not None
     assert said.startswith("forces in several directions at ")
+
+
+def pulse_response(f: Real, zeta: Real, squared: Real, duration: float) -> Responses:
+    """Return the closed form of a vertical answer of modes, also of negative damping, to a force held over a step."""
+    t = STEP * np.arange(round(duration / STEP) + 1)[:, None]
+    a, omega = 2 * np.pi * f * zeta, 2 * np.pi * f
+    b = omega * np.sqrt(1 - zeta**2)
+    moved = squared / omega**2 * (1 - np.exp(-a * t) * (np.cos(b * t) + a / b * np.sin(b * t)))
+    fast = squared * np.exp(-a * t) * np.sin(b * t) / b
+    v, u = np.zeros((len(t) - 1, 4, 4)), np.zeros((len(t), 4, 4))
+    v[:, 2, 2] = np.diff(fast.sum(axis=1))
+    u[1:, 2, 2] = np.diff(moved.sum(axis=1))
+    return Responses(v, np.diff(u, axis=0), STEP)
+
+
+def log_spaced(n: int) -> tuple[Real, Real, Real]:
+    """Return frequencies, damping ratios and squared shapes of modes from 40 Hz to 8 kHz."""
+    return 40.0 * 200.0 ** (np.arange(n) / n), np.full(n, 0.05), np.full(n, 0.0016)
+
+
+def beam(length: float, damping: float) -> tuple[Real, Real, Real]:
+    """Return the modes below 8 kHz of a simply supported beam on an elastic foundation, driven at mid-span."""
+    n = np.arange(1, 400, 2)
+    f = np.sqrt((5e7 + 6.4e6 * (n * np.pi / length) ** 4) / 60.0) / (2 * np.pi)
+    f = f[f < 8000.0]
+    return f, np.full(f.size, damping), np.full(f.size, 2 / (60.0 * length))
+
+
+@pytest.mark.parametrize("modes", [log_spaced(80), log_spaced(125), beam(60.0, 0.1), beam(36.0, 0.02)])
+def test_a_rail_dense_in_modes_is_no_source(modes: tuple[Real, Real, Real]) -> None:
+    """As finite elements make them: passive by construction, positive damping and real shapes."""
+    answer = pulse_response(*modes, 0.2)
+    assert find_lateness(answer) is None
+    assert find_growth(answer) is None
+    assert find_activity(estimate_mobility(answer), STEP) is None
+
+
+def test_one_active_mode_among_ten_is_found_with_its_growth_rate() -> None:
+    """Damping ratio -0.002 at 566 Hz: exp(7.11 t)."""
+    f, zeta, squared = log_spaced(10)
+    zeta[5] = -0.002
+    said = find_growth(pulse_response(f, zeta, squared, 0.4))
+    assert said is not None
+    rate, frequency = float(said.split(" by ")[1].split()[0]), float(said.split()[-2])
+    assert rate == pytest.approx(0.002 * 2 * np.pi * f[5], rel=0.01)
+    assert frequency == pytest.approx(f[5], abs=5.0)  # the window of 0.2 s
+
+
+@pytest.mark.parametrize("late", [1, 3])
+def test_what_is_told_too_late_is_called_late(late: int) -> None:
+    answer = pulse_response(*log_spaced(10), 0.1)
+    nothing = np.zeros((late, 4, 4))
+    delayed = Responses(
+        np.concatenate([nothing, answer.velocity[:-late]]), np.concatenate([nothing, answer.way[:-late]]), STEP
+    )
+    said = find_lateness(delayed)
+    assert said is not None
+    assert said.startswith("late by a step" if late == 1 else "late by 3 steps")
+
+
+def test_lowest_energy_is_that_of_the_whole_matrix() -> None:
+    """Lanczos' lowest value against a full eigenvalue problem: the same sign, and never below."""
+    k = np.arange(300)
+    for rate in (-2e-3, 0.0, 1e-3, 1e-2):
+        way = np.exp(rate * k) * np.cos(0.3 * k)
+        t = np.where(k == 0, way, way / 2)
+        values = np.linalg.eigvalsh(t[np.abs(k[:, None] - k)])
+        found = lowest_energy(way)
+        assert values[0] / values[-1] - 1e-12 <= found
+        assert (found < 0) == (values[0] < 0)
