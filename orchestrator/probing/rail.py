@@ -27,6 +27,9 @@ PORTS: dict[str, Port] = {port.name: port for port in (*structure_inputs(), *str
 OPTIONAL = ("u_lon", "u_spin")
 """Outputs that the contact does not take."""
 
+DISPLACEMENTS = ("u_lat", "u_ver")
+"""What the contact spring takes; a rail that has neither has its velocities integrated."""
+
 NOMINAL = np.array([PORTS[f"f_{d}"].nominal for d in DIRECTIONS])
 """Amplitudes of test forces [N, N m]."""
 

@@ -10,7 +10,7 @@ from fmus.interface import DIRECTIONS
 from ..errors import InputError
 from ..fmi.instance import Fmu
 from ..units import conversion
-from .rail import OPTIONAL, PORTS, Signal
+from .rail import DISPLACEMENTS, OPTIONAL, PORTS, Signal
 
 PASS, FAIL, NOT_OFFERED, NOT_RUN = "pass", "fail", "not offered", "not run"
 
@@ -60,6 +60,8 @@ def _check_names(fmu: Fmu, mapping: Mapping[str, Signal], present: Mapping[str, 
     faults = [f"{name}: the FMU has no variable {mapping[name].variable!r}" for name in mapping if name not in present]
     rigid = rigid_directions(mapping)
     needless = {*OPTIONAL, *(f"{kind}_{d}" for kind in "fvu" for d in rigid)}
+    velocities_alone = not any(name in mapping for name in DISPLACEMENTS)
+    needless |= set(DISPLACEMENTS) if velocities_alone else set()
     missing = [name for name in PORTS if name not in mapping and name not in needless]
     if missing:
         faults.append(f"missing: {', '.join(missing)}{_other_case(fmu, missing)}")
@@ -67,6 +69,7 @@ def _check_names(fmu: Fmu, mapping: Mapping[str, Signal], present: Mapping[str, 
     unfed = [name for name in fmu.names("input") if name not in fed]
     without = [name for name in OPTIONAL if name not in mapping and name[2:] not in rigid]
     said = [f"without {', '.join(without)}, which the contact does not need"] if without else []
+    said += ["velocities alone, which the contact integrates"] if velocities_alone else []
     said += [f"rigid in {', '.join(rigid)}"] if rigid else []
     said += [f"{', '.join(unfed)} at the start value"] if unfed else []
     return _row("names", faults, "; ".join(said) or f"all {len(PORTS)}")

@@ -130,7 +130,8 @@ def _mode(data: xr.Dataset, tone_hz: float) -> str | None:
         return None
     half = data.sizes["time"] // 2
     squares = [float(np.square(np.asarray(data[names[i]][half:], dtype=float)).mean()) for i in near]
-    return modes.labels[near[int(np.argmax(squares))]].split(" ")[0]
+    label: str = modes.labels[near[int(np.argmax(squares))]]
+    return label.split(" ", maxsplit=1)[0]
 
 
 def _trust(progress: Progress, spurious: Spurious) -> tuple[str, tuple[str, ...]]:
