@@ -50,7 +50,7 @@ def build(
     built = components()
     cases = read_cases()
     files = ssp_files(built, cases)
-    used = {"wheel", "contact", *(case.rail for case in cases)}
+    used = {"contact", *(case.wheel for case in cases), *(case.rail for case in cases)}
     chosen = {name: c for name, c in built.items() if name in used or not only_cases}
     fmus = build_fmus(chosen, folder, target or default_target())
     for name in used:

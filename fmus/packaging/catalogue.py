@@ -9,6 +9,7 @@ from ..interface import DEFAULT_STEP
 from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..system.component import system
 from ..wheel.component import wheel
+from ..wheel.inferred import inferred
 from ..wheel.wheelset import DATA, read_wheelset
 from .ssp.structure import system_mobility
 
@@ -20,6 +21,7 @@ def components() -> dict[str, Component]:
     first = read_cases()[0]
     return {
         "wheel": the_wheel,
+        "wheel-inferred": wheel(inferred().modes),
         "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
         "rail": the_rail,
         "rail-paper": paper_rail(),

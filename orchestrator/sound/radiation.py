@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmus.wheel.class158 import class158
+from fmus.wheel.inferred import inferred
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
 from ..errors import InputError
@@ -133,6 +134,19 @@ def power_per_velocity(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, r
     return factor
 
 
+def radiation_damping(wheelset: Wheelset, radiation: Radiation | None = None) -> Real:
+    """Return the damping ratio that every mode has by its own sound alone, (n,).
+
+    Notes
+    -----
+    zeta_rad = rho c sigma A/(2 omega) at the natural frequency: what one wheel radiates over the energy of its mode.
+    A lower bound of the damping ratio.
+    """
+    how, omega = radiation or Radiation(), wheelset.modes.omega
+    power = [power_per_velocity(w / (2 * np.pi), wheelset, i, how) for i, w in enumerate(omega)]
+    return np.asarray(power) / (2 * omega)
+
+
 def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     """Return the wheelset of a results file, whose radiating areas are needed.
 
@@ -175,13 +189,14 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
 
 def shipped() -> list[str]:
     """Return the names of the wheelsets whose radiating areas are known."""
-    return [*sorted(path.stem for path in DATA.glob("*840.toml")), "class158"]
+    return [*sorted(path.stem for path in DATA.glob("*840.toml")), "class158", "inferred"]
 
 
 def _named(wheel: str) -> Wheelset:
     """Return the wheelset of a name or file."""
-    if wheel == "class158":
-        return class158()
+    own = {"class158": class158, "inferred": inferred}
+    if wheel in own:
+        return own[wheel]()
     path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
     try:
         return read_wheelset(path)

@@ -33,12 +33,12 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
 
     Parameters
     ----------
-    components : by FMU file name without suffix: wheel, contact, and every rail that a case names
+    components : by FMU file name without suffix: contact, and every wheel and rail that a case names
     cases : the first one becomes SystemStructure.ssd
     """
     files = {}
     for number, case in enumerate(cases):
-        parts = {"wheel": components["wheel"], "rail": components[case.rail], "contact": components["contact"]}
+        parts = {"wheel": components[case.wheel], "rail": components[case.rail], "contact": components["contact"]}
         mobility = system_mobility([parts[s] for s in STRUCTURES], case.step_size)
         values = {
             "wheel": {STEP_SIZE: case.step_size},
@@ -58,7 +58,7 @@ def _description(case: Case, parts: Mapping[str, Component]) -> Element:
     system = SubElement(root, tag("ssd", "System"), name="curvesqueal", description=case.title)
     elements = SubElement(system, tag("ssd", "Elements"))
     for name, component in parts.items():
-        fmu = case.rail if name == "rail" else name
+        fmu = {"wheel": case.wheel, "rail": case.rail}.get(name, name)
         elements.append(_component(name, f"resources/{fmu}.fmu", f"resources/{name}-{case.name}.ssv", component))
     wires = SubElement(system, tag("ssd", "Connections"))
     for c in connections():
