@@ -18,6 +18,7 @@ from .commands.friction import friction
 from .commands.info import info
 from .commands.listen import listen
 from .commands.paper import paper
+from .commands.rail_measured import measured as rail_measured
 from .commands.report import report
 from .commands.run import resume, run
 from .commands.stability import stability
@@ -41,12 +42,13 @@ wheels = typer.Typer(help="Wheels: build an FMU from modal data, draw sections a
 COMMANDS: tuple[Callable[..., None], ...] = (
     build, run, resume, info, friction, check, export, coupling, stability, table4, listen, report, competition, paper,
 )  # fmt: skip
-RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.measured, rail.build, rail.regenerate)
+RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.build, rail.regenerate)
 WHEEL_COMMANDS: tuple[Callable[..., None], ...] = (wheel.build, wheel.figures)
 for command in COMMANDS:
     app.command()(command)
 for command in RAIL_COMMANDS:
     rails.command()(command)
+rails.command("measured")(rail_measured)
 for command in WHEEL_COMMANDS:
     wheels.command()(command)
 app.add_typer(rails, name="rail")

@@ -10,7 +10,7 @@ g' and g_N by central differences of the law at the velocities it was solved at.
 import math
 
 from ..compile import kernel
-from .friction import falling_slope
+from ..creep.friction import falling_slope
 from .law import law, normal_stiffness
 from .layout import OUT, D, S
 from .parameters import P

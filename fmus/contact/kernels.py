@@ -17,10 +17,10 @@ The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when 
 import math
 
 from ..compile import kernel
+from ..creep.fastsim import bound_volume, flexibilities
+from ..creep.kalker import creepage_coefficients
 from .derivatives import differentiate
-from .fastsim import bound_volume, flexibilities
 from .implicit import renew_newton_matrix, solve_creep_forces
-from .kalker import creepage_coefficients
 from .law import law, normal_force
 from .layout import OUT, STATE_SIZE, D, S
 from .parameters import P

@@ -3,8 +3,8 @@
 import math
 
 from ..compile import kernel
-from .fastsim import fastsim
-from .friction import falling_factor
+from ..creep.fastsim import fastsim
+from ..creep.friction import falling_factor
 from .layout import SCRATCH, D
 from .parameters import P
 

@@ -1,8 +1,8 @@
 """Where the contact's kernels find what: names of the positions in their arrays."""
 
 from ..compile import positions
+from ..creep.fastsim import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs
-from .fastsim import SCRATCH_SIZE
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))

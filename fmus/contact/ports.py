@@ -3,7 +3,7 @@
 import math
 
 from ..compile import kernel
-from .friction import falling_factor
+from ..creep.friction import falling_factor
 from .layout import IN, OUT, D
 from .parameters import P
 

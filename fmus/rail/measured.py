@@ -1,204 +1,240 @@
-"""A rail from measurement: receptance or mobility in CSV or UFF (data set 58) in, passive `Modes` and fit quality out.
+"""A rail from measured point functions: receptances in, passive `Modes` and what they rest on out.
 
-CSV: a column `frequency_hz` and, for each measured direction d, `d_real` and `d_imag`. UFF: data sets 58 of point
-functions, abscissa in Hz. Spin is the rotation about the vertical axis per moment about it.
+Files are read by `fmus.measured`. A direction that was not measured is rigid. Spin is the rotation about the vertical
+axis per moment about it.
 """
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from ..interface import DIRECTIONS
+from ..measured.noise import LARGEST_NOISE, Averaged, averaged, good_band, relative_noise
+from ..measured.read import read_measured
+from ..measured.selection import Choice, Measured
+from ..measured.units import QUANTITIES, TRANSLATIONS
+from ..modal.data import ModalData
 from ..modal.modes import Modes
-from .fit import MOST_MODES, check_frequencies, fit_errors, fit_modes
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-QUANTITIES = {"receptance": 1, "mobility": 0, "accelerance": -1}
-"""What may be given per unit force, and the power of j omega that it lacks to be a mobility."""
+from .fit import FEWEST_FREQUENCIES, MOST_MODES, fit_errors, fit_modes
 
 LARGEST_ACTIVE_DEGREES = 5.0
 """How far the phase of a mobility may leave +-90 degrees before the data count as active: what a careful measurement's
-phase and noise may do, and more than a passive structure with exact data does (0)."""
+phase does, and more than a passive structure with exact data does (0). Noise is allowed for besides."""
 
-_UFF_QUANTITY = {8: "receptance", 11: "mobility", 12: "accelerance"}
-"""Ordinate types of data set 58: displacement, velocity, acceleration; 0 and others say nothing."""
+SOFTEST = 1e-6
+"""Receptance [m/N] above which a rail is too soft to be one: the default track has 2e-8 at most."""
 
-_UFF_DIRECTION = {1: "lon", 2: "lat", 3: "ver", 6: "spin"}
-"""Direction codes of data set 58: +-1, 2, 3 are translations along x, y, z, +-4, 5, 6 rotations about them."""
+_SIGMAS = 3.0
 
 
 @dataclass(frozen=True)
-class Measurement:
-    """Point receptances of a rail.
+class RailFit:
+    """A rail from measurement.
 
     Attributes
     ----------
-    frequency_hz : (m,) increasing frequencies [Hz]
-    receptance : by direction, (m,) complex [m/N; spin rad/(N m)]
+    modes : at most so many in each measured direction as were allowed, none in the others
+    quality : by direction: rms_db, rms_degrees (fit against the data, averaged over 1/48 octave), modes, noise (median
+        standard deviation of a line over its value), active_degrees (largest phase beyond +-90), from_hz, to_hz (band
+        that was used), data_from_hz, data_to_hz (band there was)
+    used : by direction: file, data set, point, quantity, units, factor, sign
     """
 
-    frequency_hz: Real
-    receptance: dict[str, Complex]
-
-    def __post_init__(self) -> None:
-        """Check that there is something, finite, over increasing frequencies."""
-        f = self.frequency_hz
-        if not self.receptance:
-            raise ValueError(f"measurement: no direction; must be at least one of {', '.join(DIRECTIONS)}")
-        unknown = sorted(set(self.receptance) - set(DIRECTIONS))
-        if unknown:
-            raise ValueError(f"measurement: direction {unknown[0]!r}; must be one of {', '.join(DIRECTIONS)}")
-        check_frequencies(f, "measurement")
-        for direction, values in self.receptance.items():
-            if values.shape != f.shape:
-                raise ValueError(f"measurement: {values.size} values in {direction} for {f.size} frequencies")
-            bad = np.flatnonzero(~np.isfinite(values) | (values == 0))
-            if bad.size:
-                raise ValueError(
-                    f"measurement: {direction} at {f[bad[0]]:g} Hz is {values[bad[0]]}; must be finite and not 0"
-                )
+    modes: Modes
+    quality: dict[str, dict[str, float]]
+    used: dict[str, Mapping[str, str | float]]
 
 
-def read_csv(path: Path, quantity: str) -> Measurement:
-    """Return the measurement in a CSV file.
+def rail_from_frf(  # noqa: PLR0913 - one argument per property of the data
+    frequency_hz: ArrayLike,
+    functions: Mapping[str, ArrayLike],
+    *,
+    quantity: str = "receptance",
+    coherence: Mapping[str, ArrayLike] | None = None,
+    band_hz: tuple[float, float] | None = None,
+    most_modes: int = MOST_MODES,
+    largest_active_degrees: float = LARGEST_ACTIVE_DEGREES,
+) -> RailFit:
+    """Return the passive modal rail that fits point functions.
 
     Parameters
     ----------
+    frequency_hz : (m,) array_like
+        Increasing frequencies > 0 [Hz].
+    functions : mapping of direction ('lon', 'lat', 'ver', 'spin') to (m,) complex array_like
+        Motion per force at the contact point, SI: m/N, m/s/N or m/s2/N; for spin rad per N m and so on.
     quantity : {'receptance', 'mobility', 'accelerance'}
-        What the file holds, SI units.
-    """
-    with path.open(encoding="utf-8", newline="") as file:
-        reader = csv.DictReader(file)
-        names = reader.fieldnames or ()
-        directions = [d for d in DIRECTIONS if f"{d}_real" in names or f"{d}_imag" in names]
-        wanted = ["frequency_hz", *(f"{d}_{part}" for d in directions for part in ("real", "imag"))]
-        missing = [name for name in wanted if name not in names]
-        if missing:
-            raise ValueError(f"{path.name}: column {missing[0]!r} is missing")
-        rows = []
-        for line, row in enumerate(reader, start=2):
-            try:
-                rows.append([float(row[name]) for name in wanted])
-            except (TypeError, ValueError):
-                raise ValueError(f"{path.name}, line {line}: every value must be a number; got {row}") from None
-    table = np.array(rows).reshape(-1, len(wanted))
-    values = {d: table[:, 1 + 2 * i] + 1j * table[:, 2 + 2 * i] for i, d in enumerate(directions)}
-    return _named(path, table[:, 0], values, quantity)
-
-
-def read_uff(path: Path, quantity: str, axes: dict[int, str] | None = None) -> Measurement:
-    """Return the measurement in a universal file: data sets 58 with equal response and reference direction.
-
-    Parameters
-    ----------
-    quantity : {'receptance', 'mobility', 'accelerance'}
-        What the file holds, SI units.
-    axes : dict, optional
-        Direction of each of UFF's direction codes; by default 1: lon, 2: lat, 3: ver, 6: spin, whatever their signs,
-        since those cancel at one point.
-    """
-    import pyuff  # noqa: PLC0415 - only who reads such files needs it
-
-    of_code = _UFF_DIRECTION if axes is None else axes
-    try:
-        sets = pyuff.UFF(str(path)).read_sets()
-    except Exception as error:  # pyuff raises nothing more special
-        raise ValueError(f"{path.name}: not a universal file: {error}") from None
-    values: dict[str, Complex] = {}
-    frequency_hz = np.zeros(0)
-    for number, data in enumerate(sets if isinstance(sets, list) else [sets], start=1):
-        direction = _point_direction(data, of_code)
-        if direction is None:
-            continue
-        found = _UFF_QUANTITY.get(int(data.get("ordinate_spec_data_type") or 0), quantity)
-        if found != quantity:
-            raise ValueError(f"{path.name}, data set {number}: holds {found}; must be {quantity}, as asked for")
-        if direction in values:
-            raise ValueError(f"{path.name}, data set {number}: a second function in {direction}; must be one")
-        x = np.asarray(data["x"], dtype=float)
-        if frequency_hz.size and not np.array_equal(x, frequency_hz):
-            raise ValueError(f"{path.name}, data set {number}: other frequencies than before; must be the same")
-        frequency_hz, values[direction] = x, np.asarray(data["data"], dtype=complex)
-    if frequency_hz.size and frequency_hz[0] == 0:  # a spectrum from 0 Hz: mobility says nothing there
-        frequency_hz, values = frequency_hz[1:], {d: v[1:] for d, v in values.items()}
-    return _named(path, frequency_hz, values, quantity)
-
-
-def require_passive(measurement: Measurement, largest_degrees: float = LARGEST_ACTIVE_DEGREES) -> dict[str, float]:
-    """Return how far the phase of the mobility leaves +-90 degrees in each direction, 0 where it does not.
+    coherence : mapping of direction to (m,) array_like, optional
+        From 0 to 1.
+    band_hz : (start, stop), optional
+        Band to be fitted; by default the widest one in which the data are good.
+    most_modes : int
+        In each direction.
+    largest_active_degrees : float
+        How far the phase of a mobility may leave +-90 degrees, noise apart.
 
     Raises
     ------
     ValueError
-        If that is more than `largest_degrees`; says at which frequency it is worst.
+        For data that are too few, too noisy or not passive enough.
+
+    Examples
+    --------
+    >>> f = np.geomspace(20, 4000, 200)
+    >>> omega = 2 * np.pi * f
+    >>> rail = rail_from_frf(f, {"ver": 0.01 / (1e6 - omega**2 + 400j * omega)})  # one mode: 1000 rad/s, 0.1 kg^-1/2
+    >>> float(rail.modes.omega[0].round(3)), float(rail.modes.zeta[0].round(3))
+    (1000.0, 0.2)
     """
-    active = {}
-    for direction, alpha in measurement.receptance.items():
-        phase = np.degrees(np.angle(1j * alpha))
-        beyond = np.maximum(np.abs(phase) - 90.0, 0.0)
-        worst = int(np.argmax(beyond))
-        if beyond[worst] > largest_degrees:
-            raise ValueError(
-                f"measurement: {direction} mobility at {measurement.frequency_hz[worst]:g} Hz has a phase of "
-                f"{phase[worst]:.1f} degrees; must be within +-90, as a passive rail's is, or {largest_degrees:g} more"
-            )
-        active[direction] = float(beyond[worst])
-    return active
-
-
-def measured_modes(
-    measurement: Measurement, most_modes: int = MOST_MODES, largest_active_degrees: float = LARGEST_ACTIVE_DEGREES
-) -> tuple[Modes, dict[str, dict[str, float]]]:
-    """Return a passive modal rail and the quality of its fit.
-
-    Returns
-    -------
-    modes : Modes
-        At most `most_modes` in each measured direction, none in the others: the rail is rigid there.
-    quality : dict
-        `{direction: {rms_db, rms_degrees, modes, active_degrees}}` for the measured directions; the last is the largest
-        phase beyond +-90 degrees that was in the data.
-
-    Raises
-    ------
-    ValueError
-        For data that are too few or not passive enough.
-    """
-    active = require_passive(measurement, largest_active_degrees)
-    omega = 2 * np.pi * measurement.frequency_hz
-    target = np.zeros((omega.size, 4, 4), dtype=complex)
-    for direction, values in measurement.receptance.items():
-        j = DIRECTIONS.index(direction)
-        target[:, j, j] = values
-    modes = fit_modes(omega, target, most_modes)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        errors = fit_errors(omega, target, modes)
-    return modes, {d: {**errors[d], "active_degrees": active[d]} for d in DIRECTIONS if d in active}
-
-
-def _point_direction(data: dict[str, Any], of_code: dict[int, str]) -> str | None:
-    """Return the direction of a data set 58 that is a point function in a known direction, else None."""
-    if data.get("type") != 58:
-        return None
-    response, reference = abs(int(data["rsp_dir"])), abs(int(data["ref_dir"]))
-    same_node = data.get("rsp_node") == data.get("ref_node")
-    return of_code.get(response) if response == reference and same_node else None
-
-
-def _named(path: Path, frequency_hz: Real, values: dict[str, Complex], quantity: str) -> Measurement:
-    """Return the measurement as receptance; messages name the file."""
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity is {quantity!r}; must be one of {', '.join(QUANTITIES)}")
-    try:
-        factor = (2j * np.pi * frequency_hz) ** (QUANTITIES[quantity] - 1.0)
-        return Measurement(frequency_hz, {d: v * factor for d, v in values.items()})
-    except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
+    if not functions:
+        raise ValueError(f"measurement: no direction; must be at least one of {', '.join(DIRECTIONS)}")
+    f = np.asarray(frequency_hz, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        to_receptance = (2j * np.pi * f) ** -float(QUANTITIES[quantity])
+    parts = []
+    for direction, values in functions.items():
+        given = np.asarray(values, dtype=complex)
+        receptance = given * to_receptance if given.shape == f.shape else given
+        seen = None if coherence is None or direction not in coherence else np.asarray(coherence[direction], float)
+        used: dict[str, str | float] = {"set": "measurement", "quantity": quantity, "units": "SI", "factor": 1.0}
+        measured = Measured(direction, direction, f, receptance, seen, used)
+        if band_hz is not None:
+            measured = measured.on_lines((f >= band_hz[0]) & (f <= band_hz[1]))
+        parts.append(measured)
+    return fit_measured(parts, band_hz is None, most_modes, largest_active_degrees)
+
+
+def rail_from_files(
+    files: Sequence[Path], choice: Choice | None = None, most_modes: int = MOST_MODES
+) -> tuple[ModalData, RailFit]:
+    """Return the modal rail that fits the point functions of some files, each with its own lines and directions.
+
+    Parameters
+    ----------
+    files : universal files, CSV or NumPy archives
+    choice : what the files do not say themselves
+    most_modes : in each direction
+
+    Raises
+    ------
+    ValueError
+        For files that cannot be read or fitted, or a direction that two files have; says which file.
+    """
+    chosen = choice or Choice()
+    found: dict[str, tuple[Path, Measured]] = {}
+    for file in files:
+        points = [m for m in read_measured(file, chosen) if m.response == m.reference]
+        if not points:
+            raise ValueError(f"{file.name}: holds cross functions only; a rail needs point functions")
+        for measured in points:
+            if measured.response in found:
+                other = found[measured.response][0]
+                raise ValueError(f"{file}: holds {measured.response} as {other} does; must be in one file")
+            _require_rail(measured)
+            found[measured.response] = (file, measured)
+    automatic = chosen.start_hz is None and chosen.stop_hz is None
+    fit = fit_measured([measured for _, measured in found.values()], automatic, most_modes)
+    names = ", ".join(file.name for file in files)
+    quantities = " and ".join(sorted({str(used["quantity"]) for used in fit.used.values()}))
+    source = f"passive least squares fit of the logarithm of the {quantities} in {names} (fmus.rail.measured)"
+    return ModalData("measured modal rail", source, fit.modes), fit
+
+
+def fit_measured(
+    parts: Sequence[Measured],
+    automatic_band: bool = True,
+    most_modes: int = MOST_MODES,
+    largest_active_degrees: float = LARGEST_ACTIVE_DEGREES,
+) -> RailFit:
+    """Return the fit of point functions, direction by direction."""
+    ordered = sorted(parts, key=lambda measured: DIRECTIONS.index(measured.response))
+    modes: list[Modes] = []
+    quality: dict[str, dict[str, float]] = {}
+    used = {}
+    for measured in ordered:
+        try:
+            chosen, means, noise = _good_part(measured, automatic_band)
+            active = _require_passive(measured.response, means, largest_active_degrees)
+            own, errors = _fitted(measured.response, means, most_modes)
+        except ValueError as error:
+            raise ValueError(f"{measured.used['set']}: {error}") from None
+        modes.append(own)
+        used[measured.response] = chosen.used
+        quality[measured.response] = {
+            **errors, "noise": noise, "active_degrees": active,
+            "from_hz": float(chosen.used["from_hz"]), "to_hz": float(chosen.used["to_hz"]),
+            "data_from_hz": float(measured.frequency_hz[0]), "data_to_hz": float(measured.frequency_hz[-1]),
+        }  # fmt: skip
+    joined = Modes(
+        np.concatenate([part.omega for part in modes]),
+        np.concatenate([part.zeta for part in modes]),
+        np.concatenate([part.shape for part in modes]),
+        tuple(label for part in modes for label in part.labels),
+    )
+    return RailFit(joined, quality, used)
+
+
+def _good_part(measured: Measured, automatic_band: bool) -> tuple[Measured, Averaged, float]:
+    """Return the part in the band with good data, its averages and the median noise of a line."""
+    # as accelerance, whose noise is the same on all lines of an impact test
+    noise = relative_noise(measured.receptance * measured.frequency_hz**2)
+    inside = np.ones(noise.size, dtype=bool)
+    if automatic_band:
+        inside = good_band(measured.frequency_hz, noise, measured.coherence)
+    if inside.sum() < FEWEST_FREQUENCIES:
+        raise ValueError(
+            f"{measured.response} has {inside.sum()} frequencies with noise below {LARGEST_NOISE:.0%} of the value, of "
+            f"{inside.size}; must be at least {FEWEST_FREQUENCIES}"
+        )
+    chosen = measured.on_lines(inside)
+    means = averaged(chosen.frequency_hz, chosen.receptance, noise[inside], chosen.coherence)
+    return chosen, means, float(np.median(noise[inside]))
+
+
+def _require_passive(direction: str, means: Averaged, largest_degrees: float) -> float:
+    """Return how far the phase of the mobility leaves +-90 degrees at worst, 0 where it does not.
+
+    Raises
+    ------
+    ValueError
+        If that is more than `largest_degrees` and three standard deviations of the noise.
+    """
+    phase = np.degrees(np.angle(1j * means.values))
+    beyond = np.maximum(np.abs(phase) - 90.0, 0.0)
+    allowed = largest_degrees + _SIGMAS * np.degrees(means.noise / np.sqrt(2.0))
+    worst = int(np.argmax(beyond - allowed))
+    if beyond[worst] > allowed[worst]:
+        raise ValueError(
+            f"{direction} mobility at {means.frequency_hz[worst]:g} Hz has a phase of {phase[worst]:.1f} degrees; "
+            f"must be within +-90, as a passive rail's is, or {allowed[worst]:.2g} more"
+        )
+    return float(beyond.max())
+
+
+def _fitted(direction: str, means: Averaged, most_modes: int) -> tuple[Modes, dict[str, Any]]:
+    """Return the modes of one direction and the errors of the fit."""
+    omega = 2 * np.pi * means.frequency_hz
+    j = DIRECTIONS.index(direction)
+    target = np.zeros((omega.size, 4, 4), dtype=complex)
+    target[:, j, j] = means.values
+    modes = fit_modes(omega, target, most_modes)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return modes, fit_errors(omega, target, modes)[direction]
+
+
+def _require_rail(measured: Measured) -> None:
+    """Raise ValueError for a receptance that no rail has, where the file does not say its units."""
+    largest = float(np.abs(measured.receptance).max())
+    if measured.si_assumed and measured.response in TRANSLATIONS and largest > SOFTEST:
+        raise ValueError(
+            f"{measured.used['set']}: {measured.response} receptance reaches {largest:.2g} m/N, more than a rail's "
+            f"({SOFTEST:g}); the file gives no unit: say it in its header or with the option units"
+        )

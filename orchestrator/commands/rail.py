@@ -84,33 +84,6 @@ def figures(
         screen.print(str(path), highlight=False, markup=False, soft_wrap=True)
 
 
-def measured(  # noqa: PLR0913, PLR0917 - one argument per option
-    files: Annotated[list[Path], typer.Argument(help="CSV or UFF files (data set 58).")],
-    quantity: Annotated[str, typer.Option(help="What they hold: receptance, mobility or accelerance; SI units.")],
-    out: Annotated[Path | None, typer.Option(help="FILE.fmu or modal data FILE.toml; default: none.")] = None,
-    modes: Annotated[int, typer.Option(help="Most modes in each direction.")] = 8,
-    axis: Annotated[list[str] | None, typer.Option(help="UFF direction code: 3=lat. Repeatable.")] = None,
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Fit a passive modal rail to measured point functions; a direction that was not measured is rigid."""
-    from .rail_measured import data_of_files  # noqa: PLC0415
-
-    with user_mistakes():
-        if out is not None:
-            require_suffix(out, (".toml", ".fmu"))
-            require_free(out, force)
-        data, quality = data_of_files(files, quantity, modes, axis or [])
-        if out is not None:
-            _write_rail(data, out, "rail_measured")
-    if json:
-        screen.print_json(data=quality)
-        return
-    _print_errors({"measured": quality}, f"{data.title}: receptance against the data, rms")
-    if out is not None:
-        screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
-
-
 def build(
     modes: Annotated[Path, typer.Argument(help="Modal data file.")],
     out: Annotated[Path, typer.Option(help="FMU to write.")],
@@ -122,7 +95,7 @@ def build(
     with user_mistakes():
         require_suffix(out, (".fmu",))
         require_free(out, force)
-        _write_rail(read_modal_data(modes), out, "rail")
+        write_rail(read_modal_data(modes), out, "rail")
     screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
 
 
@@ -153,7 +126,7 @@ def track_file(track: str) -> Path:
     return path
 
 
-def _write_rail(data: ModalData, path: Path, name: str) -> None:
+def write_rail(data: ModalData, path: Path, name: str) -> None:
     """Write a modal rail as modal data or as an FMU of the given model name, by the suffix."""
     from fmus.modal.component import structure  # noqa: PLC0415
     from fmus.modal.data import write_modal_data  # noqa: PLC0415

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fmus.component import Instance
 from fmus.contact.component import contact
-from fmus.contact.hertz import ellipse
 from fmus.contact.parameters import P
+from fmus.creep.hertz import ellipse
 from fmus.modal.data import ModalData, format_modal_data, read_modal_data
 from fmus.modal.modes import Modes
 from fmus.rail.component import DATA as RAIL

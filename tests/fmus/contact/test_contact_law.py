@@ -9,11 +9,11 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from fmus.contact.fastsim import SCRATCH_SIZE, bound_volume, fastsim, flexibilities
-from fmus.contact.friction import falling_factor
-from fmus.contact.hertz import ellipse, ellipse_of_radii
-from fmus.contact.kalker import TABLE, creepage_coefficients
 from fmus.contact.linearised import linearise
+from fmus.creep.fastsim import SCRATCH_SIZE, bound_volume, fastsim, flexibilities
+from fmus.creep.friction import falling_factor
+from fmus.creep.hertz import ellipse, ellipse_of_radii
+from fmus.creep.kalker import TABLE, creepage_coefficients
 
 STEEL = {"young": 210e9, "poisson": 0.3}
 A, B, LOAD, MU = 0.010, 0.005, 60e3, 0.3

@@ -157,7 +157,7 @@ def test_the_example_runs(native: Path, monkeypatch: pytest.MonkeyPatch, capsys:
 
 def test_an_fmu_carries_what_its_kernels_import(declared: dict[str, Component]) -> None:
     files = kernel_files(declared["curvesqueal"])
-    assert {"system/kernels.py", "modal/kernels.py", "contact/kernels.py", "contact/fastsim.py", "compile.py"} <= set(
+    assert {"system/kernels.py", "modal/kernels.py", "contact/kernels.py", "creep/fastsim.py", "compile.py"} <= set(
         files
     )
     assert "contact/component.py" not in files

@@ -45,9 +45,9 @@ def call(app: typer.Typer, *arguments: object) -> str:
     return result.output
 
 
-def write_mobility_csv(path: Path, directions: Sequence[str], delay: float = 0.0) -> None:
+def write_mobility_csv(path: Path, directions: Sequence[str], delay: float = 0.0, scale: float = 1.0) -> None:
     """Write mobilities of the true rail, all of them late by `delay` seconds."""
-    Y = mobility(2 * np.pi * F, TRUTH) * np.exp(-2j * np.pi * F * delay)[:, None, None]
+    Y = scale * mobility(2 * np.pi * F, TRUTH) * np.exp(-2j * np.pi * F * delay)[:, None, None]
     lines = ["frequency_hz," + ",".join(f"{d}_real,{d}_imag" for d in directions)]
     for i, f in enumerate(F.tolist()):
         values = [Y[i, DIRECTIONS.index(d), DIRECTIONS.index(d)] for d in directions]
@@ -178,7 +178,7 @@ def test_active_data_are_refused_with_file_and_frequency(tmp_path: Path) -> None
     """Late by 20 us: 29 degrees at 4 kHz, where the mobility of a mass leads to more than -90."""
     path, out = tmp_path / "late.csv", tmp_path / "rail.fmu"
     write_mobility_csv(path, ["ver"], delay=2e-5)
-    with pytest.raises(InputError, match=r"late.csv: measurement: ver mobility at 4000 Hz has a phase of -\d+"):
+    with pytest.raises(InputError, match=r"late.csv: ver mobility at 4000 Hz has a phase of -\d+"):
         call(rail_app, "measured", path, "--quantity", "mobility", "--out", out)
     assert not out.exists()
 
@@ -188,9 +188,12 @@ def test_active_data_are_refused_with_file_and_frequency(tmp_path: Path) -> None
     [
         (("a.csv", "a.csv", "--quantity", "mobility"), "a.csv: holds ver as .*a.csv does; must be in one file"),
         (("b.csv", "--quantity", "mobility"), "b.csv: no such file"),
-        (("a.txt", "--quantity", "mobility"), "a.txt: must end with .csv or .uff"),
+        (("a.txt", "--quantity", "mobility"), "a.txt: column 'frequency_hz' is missing; has nonsense"),
+        (("a.csv",), "a.csv: does not say whether it is a receptance, mobility or accelerance"),
+        (("a.csv", "--units", "mm/s"), "unit 'mm/s' is no displacement, velocity or acceleration per force"),
+        (("soft.csv", "--quantity", "mobility"), "soft.csv: ver receptance reaches .* more than a rail's"),
         (("a.csv", "--quantity", "impedance"), "quantity is 'impedance'; must be one of receptance, mobility"),
-        (("a.csv", "--quantity", "mobility", "--axis", "9=lat"), "--axis 9=lat: must be CODE=DIRECTION"),
+        (("a.csv", "--quantity", "mobility", "--axis", "9=lat"), "axis 9=lat: must be CODE=DIRECTION"),
         (("a.csv", "--quantity", "mobility", "--out", "rail.ssd"), "--out rail.ssd: must end with .toml or .fmu"),
         (("a.csv", "--quantity", "mobility", "--modes", "0"), "most_modes = 0; must be at least 1"),
     ],
@@ -199,8 +202,9 @@ def test_measured_refuses_what_it_cannot_use(
     arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for name in ("a.csv", "a.txt"):
-        write_mobility_csv(tmp_path / name, ["ver"])
+    for name, scale in (("a.csv", 1.0), ("soft.csv", 1000.0)):
+        write_mobility_csv(tmp_path / name, ["ver"], scale=scale)
+    (tmp_path / "a.txt").write_text("nonsense\n", encoding="utf-8")
     with pytest.raises(InputError, match=message):
         call(rail_app, "measured", *arguments)
 

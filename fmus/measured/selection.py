@@ -1,0 +1,315 @@
+"""What of a file is used, and as what: contents and a user's choice in, receptances in SI and the contract's axes out.
+
+Nothing is assumed: what the file does not say (quantity, units, node) must be chosen, what it says may not be
+contradicted, and what was used comes with the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..interface import DIRECTIONS
+from .function import Complex, Contents, Function, Place, Real
+from .units import QUANTITIES, Ratio, read_ratio, read_system, rotations
+
+DEFAULT_AXES: dict[int, str] = {1: "lon", 2: "lat", 3: "ver", 6: "spin"}
+"""Directions of the codes of universal files unless told otherwise; signs of other codes cancel at one point."""
+
+_FORMAT_SI = "SI, as the format has it"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a user says about files of measured functions.
+
+    Attributes
+    ----------
+    quantity : 'receptance', 'mobility' or 'accelerance' where the file does not say it
+    units : unit of the functions ('mm/s/N'), or units of length and force ('mm,N'), where the file does not say them
+    node : which driving point, where there are several
+    axes : direction of each signed direction code; empty: `DEFAULT_AXES`
+    start_hz, stop_hz : band that is used; None: as far as the data go
+    """
+
+    quantity: str | None = None
+    units: str | None = None
+    node: int | None = None
+    axes: Mapping[int, str] = field(default_factory=dict)
+    start_hz: float | None = None
+    stop_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a file."""
+        if self.quantity is not None and self.quantity not in QUANTITIES:
+            raise ValueError(f"quantity is {self.quantity!r}; must be one of {', '.join(QUANTITIES)}")
+        twice = [d for d in self.axes.values() if list(self.axes.values()).count(d) > 1]
+        if twice:
+            raise ValueError(f"axes: two codes are {twice[0]}; must be one")
+        if self.start_hz is not None and self.stop_hz is not None and not self.start_hz < self.stop_hz:
+            raise ValueError(f"band from {self.start_hz:g} to {self.stop_hz:g} Hz; must increase")
+
+    def direction(self, code: int | str) -> tuple[str, float] | None:
+        """Return direction and sign of a code, None for a code that is not used.
+
+        >>> Choice(axes={-1: "lon"}).direction(1)
+        ('lon', -1.0)
+        """
+        if isinstance(code, str):
+            return code, 1.0
+        axes = self.axes or DEFAULT_AXES
+        for sign in (1, -1):
+            if sign * code in axes:
+                return axes[sign * code], float(sign)
+        return None
+
+
+def read_axes(texts: Sequence[str]) -> dict[int, str]:
+    """Return the directions by signed code that texts such as '3=lat' or '-1=lon' give.
+
+    >>> read_axes(["3=lat", "-1=lon"])
+    {3: 'lat', -1: 'lon'}
+    """
+    axes: dict[int, str] = {}
+    for text in texts:
+        code, _, direction = text.partition("=")
+        if not code.lstrip("+-").isdigit() or not 1 <= abs(int(code)) <= 6 or direction not in DIRECTIONS:
+            raise ValueError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
+        if int(code) in axes or -int(code) in axes:
+            raise ValueError(f"axis {text}: axis {abs(int(code))} is given twice")
+        if (abs(int(code)) > 3) != (direction == "spin"):
+            raise ValueError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
+        axes[int(code)] = direction
+    return axes
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measured function: a receptance in SI between two directions of the contract.
+
+    Attributes
+    ----------
+    response, reference : directions of motion and force
+    frequency_hz : (m,) increasing frequencies > 0 [Hz]
+    receptance : (m,) complex [m/N; rotations rad, moments N m]
+    coherence : (m,) from 0 to 1; None where it was not measured
+    used : what was taken for it: 'set', 'point', 'quantity', 'units', 'factor', 'sign', 'from_hz', 'to_hz'
+    si_assumed : whether the unit is SI because the format says so, not the file
+    """
+
+    response: str
+    reference: str
+    frequency_hz: Real
+    receptance: Complex
+    coherence: Real | None
+    used: Mapping[str, str | float]
+    si_assumed: bool = False
+
+    def __post_init__(self) -> None:
+        """Check directions, frequencies and values."""
+        where, f = str(self.used.get("set", "measurement")), self.frequency_hz
+        for direction in (self.response, self.reference):
+            if direction not in DIRECTIONS:
+                raise ValueError(f"{where}: direction {direction!r}; must be one of {', '.join(DIRECTIONS)}")
+        bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
+        if bad.size or not f.size:
+            got = f"frequency {bad[0] + 1} is {f[bad[0]]:g} Hz" if bad.size else "no frequency above 0 Hz"
+            raise ValueError(f"{where}: {got}; must be finite and > 0")
+        bad = np.flatnonzero(np.diff(f) <= 0)
+        if bad.size:
+            raise ValueError(f"{where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+        if self.receptance.shape != f.shape:
+            raise ValueError(f"{where}: {self.receptance.size} values in {self.words} for {f.size} frequencies")
+        bad = np.flatnonzero(~np.isfinite(self.receptance) | (self.receptance == 0))
+        if bad.size:
+            got = self.receptance[bad[0]]
+            raise ValueError(f"{where}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0")
+        if self.coherence is not None:
+            bad = np.flatnonzero(~((self.coherence >= 0) & (self.coherence <= 1)))
+            if bad.size:
+                got = self.coherence[bad[0]]
+                raise ValueError(f"{where}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
+
+    @property
+    def words(self) -> str:
+        """Return the directions as words."""
+        return _words((self.response, self.reference))
+
+    def on_lines(self, inside: NDArray[np.bool_]) -> Measured:
+        """Return the function on the lines that are kept."""
+        f = self.frequency_hz[inside]
+        return replace(
+            self,
+            frequency_hz=f,
+            receptance=self.receptance[inside],
+            coherence=None if self.coherence is None else self.coherence[inside],
+            used={**self.used, "from_hz": float(f[0]), "to_hz": float(f[-1])},
+        )
+
+
+def select(contents: Contents, choice: Choice) -> list[Measured]:
+    """Return the functions at the driving point, those of one pair of directions each.
+
+    Raises
+    ------
+    ValueError
+        Where the file holds nothing that fits, several that do, or says something else than the user; says what it
+        holds.
+    """
+    name = contents.path.name
+    if not contents.functions:
+        raise ValueError(f"{name}: holds no frequency response; holds {contents.listed()}")
+    at_one_point = [f for f in contents.functions if f.response.node == f.reference.node]
+    fitting = [f for f in at_one_point if choice.direction(f.response.code) and choice.direction(f.reference.code)]
+    if not fitting:
+        raise ValueError(
+            f"{name}: no function has motion and force at one node in the axes asked for; holds {contents.listed()}"
+        )
+    nodes = sorted({f.response.node for f in fitting if f.response.node is not None})
+    if choice.node is not None and nodes and choice.node not in nodes:
+        raise ValueError(f"{name}: no driving point at node {choice.node}; has {', '.join(map(str, nodes))}")
+    if choice.node is None and len(nodes) > 1:
+        raise ValueError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (option node)")
+    found: dict[tuple[str, str], Measured] = {}
+    for function in fitting:
+        if nodes and function.response.node != (nodes[0] if choice.node is None else choice.node):
+            continue
+        measured = _in_si(function, contents, choice)
+        pair = (measured.response, measured.reference)
+        if pair in found:
+            raise ValueError(f"{function.where}: a second function of {_words(pair)}; must be one")
+        found[pair] = measured
+    return list(found.values())
+
+
+def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
+    """Return a function as a receptance in SI on the lines of the band, with what was used for it."""
+    (response, s), (reference, t) = (_direction(p, choice) for p in (function.response, function.reference))
+    if function.force is False:
+        raise ValueError(f"{function.where}: the denominator is no force but {function.units[1] or 'something else'}")
+    quantity, factor, units = _meaning(function, contents, choice, (response, reference))
+    start = 1 if function.frequency_hz.size and function.frequency_hz[0] == 0 else 0  # mobility says nothing at 0 Hz
+    f, values = function.frequency_hz[start:], function.values[start:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        receptance = values * (2j * np.pi * f) ** -float(QUANTITIES[quantity]) * (factor * s * t)
+    measured = Measured(
+        response=response,
+        reference=reference,
+        frequency_hz=f,
+        receptance=np.asarray(receptance, dtype=complex),
+        coherence=_coherence(function, contents, f),
+        used={
+            "set": function.where, "point": f"{function.response} due to {function.reference}",
+            "direction": _words((response, reference)), "quantity": quantity, "units": units, "factor": factor,
+            "sign": s * t, "from_hz": float(f[0]) if f.size else 0.0, "to_hz": float(f[-1]) if f.size else 0.0,
+        },
+        si_assumed=units == _FORMAT_SI,
+    )  # fmt: skip
+    inside = (f >= (choice.start_hz or 0.0)) & (f <= (choice.stop_hz or np.inf))
+    if not inside.any():
+        raise ValueError(f"{function.where}: has {f[0]:g} to {f[-1]:g} Hz; no line lies in the band asked for")
+    return measured.on_lines(inside)
+
+
+def _direction(place: Place, choice: Choice) -> tuple[str, float]:
+    found = choice.direction(place.code)
+    assert found is not None  # `select` keeps only these
+    return found
+
+
+def _meaning(function: Function, contents: Contents, choice: Choice, pair: tuple[str, str]) -> tuple[str, float, str]:
+    """Return quantity, factor to SI and the words for the unit of a function."""
+    label = _label_ratio(function)
+    said = function.quantity or (label.quantity if label else None)
+    given = _given_ratio(choice)
+    sources = (
+        ("its axis label says", label.quantity if label else None),
+        ("the option units says", given.quantity if given else None),
+        ("the option quantity says", choice.quantity),
+    )
+    for source, quantity in sources:
+        if said is not None and quantity is not None and quantity != said:
+            raise ValueError(f"{function.where}: holds {said}; {source} {quantity}")
+        said = said or quantity
+    if said is None:
+        raise ValueError(
+            f"{function.where}: does not say whether it is a receptance, mobility or accelerance; "
+            "say it with the option quantity"
+        )
+    if function.force is None and label is None and given is None:
+        raise ValueError(
+            f"{function.where}: does not say that its denominator is a force; if it is, say so with the "
+            "option units, such as m/s/N"
+        )
+    for ratio in (label, given):
+        if ratio is not None and ratio.rotations != rotations(*pair):
+            raise ValueError(f"{function.where}: unit {ratio.text!r} is not that of {_words(pair)}")
+    return said, *_factor(function, contents, choice, pair)
+
+
+def _factor(function: Function, contents: Contents, choice: Choice, pair: tuple[str, str]) -> tuple[float, str]:
+    """Return factor to SI and the words for the unit: data set 164, else labels, else the user, else the format."""
+    label, given = _label_ratio(function), _given_ratio(choice)
+    gravity = label is not None and "g" in function.units[0].split("/")[0].strip("() ").split()
+    if contents.system is not None and not gravity:
+        factor = contents.system.factor(*pair)
+        _require_same(function, choice, pair, factor, contents.system.source)
+        differs = label is not None and not np.isclose(label.factor, factor, rtol=1e-4)
+        note = f"; the axis label {label.text!r} says otherwise" if differs and label is not None else ""
+        return factor, f"{contents.system.text(*pair)}, {contents.system.source}{note}"
+    if label is not None:
+        _require_same(function, choice, pair, label.factor, f"axis label {label.text!r}")
+        return label.factor, f"{label.text}, axis label"
+    if given is not None:
+        return given.factor, f"{given.text}, option units"
+    if choice.units is not None:
+        system = read_system(choice.units)
+        return system.factor(*pair), f"{system.text(*pair)}, option units"
+    if contents.si:
+        return 1.0, _FORMAT_SI
+    raise ValueError(
+        f"{function.where}: does not say its units; give them with the option units, such as m/s/N or mm,N"
+    )
+
+
+def _require_same(function: Function, choice: Choice, pair: tuple[str, str], factor: float, source: str) -> None:
+    """Raise ValueError if the user's units are not those of the file."""
+    given = _given_ratio(choice)
+    if choice.units is None:
+        return
+    asked = given.factor if given is not None else read_system(choice.units).factor(*pair)
+    if not np.isclose(asked, factor, rtol=1e-4):
+        raise ValueError(
+            f"{function.where}: the option units, {choice.units}, is {asked:g} in SI; {source} says {factor:g}"
+        )
+
+
+def _given_ratio(choice: Choice) -> Ratio | None:
+    return read_ratio(choice.units) if choice.units is not None and "," not in choice.units else None
+
+
+def _label_ratio(function: Function) -> Ratio | None:
+    """Return what the axis labels say, None where there are none; labels that mean nothing are refused."""
+    numerator, denominator = function.units
+    if not numerator:
+        return None
+    for text in (numerator, f"({numerator})/({denominator})"):
+        try:
+            return read_ratio(text)
+        except ValueError:
+            continue
+    shown = numerator if not denominator else f"{numerator} per {denominator}"
+    raise ValueError(f"{function.where}: unit {shown!r} is no displacement, velocity or acceleration per force")
+
+
+def _coherence(function: Function, contents: Contents, frequency_hz: Real) -> Real | None:
+    """Return the coherence at some frequencies, None where there is none."""
+    found = contents.coherence.get((function.response, function.reference))
+    return None if found is None else np.asarray(np.interp(frequency_hz, *found))
+
+
+def _words(pair: tuple[str, str]) -> str:
+    return pair[0] if pair[0] == pair[1] else f"{pair[0]} due to {pair[1]}"
