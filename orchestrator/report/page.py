@@ -16,7 +16,7 @@ from ..published.cases import PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.summary import sample_interval
-from ..sound.radiation import Sound, sound_of
+from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import RunModel, model_of
 from ..stability.step_map import scheme_error

@@ -7,9 +7,8 @@ method of Thompson and Jones (J. Sound Vib. 231 (2000) 519-536); what the sleepe
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +21,7 @@ from fmus.rail.track_data import TRACKS, Track, read_track
 
 from ..signals.spectra import narrow_band
 from .radiation import Radiation
+from .wheelset import SAME_FREQUENCY, block
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -33,8 +33,6 @@ DIRECTIONS = ("lat", "ver")
 
 OF_DEFAULT_TRACK = ("rail.toml", "rail-paper.toml")
 """Shipped rails that are modal equivalents of the default track, whose decay rates they have."""
-
-_SAME_FREQUENCY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -84,8 +82,8 @@ def line_factor(decay: ArrayLike, distance: float) -> Real:
     """
     z = 2 * np.asarray(decay, dtype=float) * distance
     sine, cosine = sici(z)
-    near = z * (cosine * np.sin(z) + (np.pi / 2 - sine) * np.cos(z))
     with np.errstate(divide="ignore", invalid="ignore"):
+        near = z * (cosine * np.sin(z) + (np.pi / 2 - sine) * np.cos(z))
         far = 1 - 2 / z**2 + 24 / z**4  # where the difference above is all rounding
     return np.where(z > 100, far, np.where(z > 0, near, 0.0))
 
@@ -148,10 +146,9 @@ def rail_of(data: xr.Dataset, resolution_hz: float) -> RailSpectra | str:
     lateral, vertical = (narrow_band(data[name], resolution_hz) for name in names)
     if not any(np.abs(data[name].to_numpy()).max() > 0 for name in names):
         return RailSpectra((lateral, vertical), None)
-    values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("rail", {})
-    frequency = np.array([float(values[name]) for name in sorted(values) if name.startswith("frequency_")])
+    frequency = block(data, "rail", "frequency")
     for name in OF_DEFAULT_TRACK:
         own = read_modal_data(DATA / name).modes.omega / (2 * np.pi)
-        if own.size == frequency.size and np.allclose(own, frequency, rtol=_SAME_FREQUENCY):
+        if own.size == frequency.size and np.allclose(own, frequency, rtol=SAME_FREQUENCY):
             return RailSpectra((lateral, vertical), read_track(TRACKS / "default.toml"))
     return "the decay rates of its rail are not known; those of the default track belong to its modal equivalents only"
