@@ -48,7 +48,7 @@ print(level(bands, reference=5e-8).to_series().round(1))  # velocity level re 50
 # %%
 model = model_of(data)
 assert model is not None
-for growth in growth_of(data, model.poles()):
+for growth in growth_of(data, model.poles):
     print(f"{growth.frequency_hz:7.1f} Hz: pole {growth.pole:6.2f} 1/s, seen {growth.seen:6.2f} 1/s")
 
 # %% [markdown]

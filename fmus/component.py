@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compile import Kernel
+from .errors import DataError
 
 Vector = NDArray[np.float64]
 
@@ -60,21 +61,19 @@ class Variable:
     def __post_init__(self) -> None:
         """Check the declaration."""
         if self.causality not in CAUSALITIES:
-            raise ValueError(f"{self.name}: causality is {self.causality!r}; must be one of {CAUSALITIES}")
+            raise DataError(f"{self.name}: causality is {self.causality!r}; must be one of {CAUSALITIES}")
         if self.start is not None:
             self.check(self.start)
 
     def check(self, value: float) -> float:
         """Return `value` if this variable may have it; raise ValueError otherwise."""
         if not math.isfinite(value):
-            raise ValueError(f"{self.name} = {value}: must be a finite number")
+            raise DataError(f"{self.name} = {value}: must be a finite number")
         if not self.minimum <= value <= self.maximum:
             unit = "" if self.unit == "1" else f" {self.unit}"
-            raise ValueError(
-                f"{self.name} = {value:g}: must be in the range {self.minimum:g} to {self.maximum:g}{unit}"
-            )
+            raise DataError(f"{self.name} = {value:g}: must be in the range {self.minimum:g} to {self.maximum:g}{unit}")
         if self.kind != "Real" and value != int(value):
-            raise ValueError(f"{self.name} = {value:g}: must be a whole number")
+            raise DataError(f"{self.name} = {value:g}: must be a whole number")
         return value
 
 
@@ -150,7 +149,7 @@ class Instance:
 
     Raises
     ------
-    ValueError
+    DataError
         For an unknown parameter or a value out of range.
     """
 
@@ -185,7 +184,7 @@ class Instance:
         """Set one parameter by name, checked against its declared range."""
         index = self.component.parameter_index.get(name)
         if index is None:
-            raise ValueError(f"{self.component.name} has no parameter {name!r}")
+            raise DataError(f"{self.component.name} has no parameter {name!r}")
         self.parameters[index] = self.component.of("parameter")[index].check(value)
 
     def initialise(self) -> None:
@@ -215,13 +214,13 @@ class Instance:
 
         Raises
         ------
-        ValueError
+        DataError
             For a seed of another length, or if the component is not differentiable.
         """
         if not self.component.differentiable:
-            raise ValueError(f"{self.component.name} offers no directional derivatives")
+            raise DataError(f"{self.component.name} offers no directional derivatives")
         if seed.shape != self.inputs.shape:
-            raise ValueError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
+            raise DataError(f"seed has shape {seed.shape}; must be {self.inputs.shape}, one value per input")
         sensitivity = np.zeros(self.outputs.size)
         arrays = (self.parameters, self.derived, self.state, self.inputs, self.outputs)
         self.component.kernel("differentiate")(

@@ -4,6 +4,7 @@ As a library it is `load`, `simulate` and `resume`; see `orchestrator.library`.
 """
 
 from importlib import import_module
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, SimulationError
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from .library import load, resume, simulate
     from .runs.outcome import Outcome
     from .runs.scenario import Scenario
+
+__version__ = version("curvesqueal")
 
 __all__ = ["InputError", "Outcome", "Progress", "Scenario", "SimulationError", "load", "resume", "simulate"]
 

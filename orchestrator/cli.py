@@ -1,70 +1,160 @@
-"""The command line `curvesqueal`."""
+"""The command line `curvesqueal`: a table of commands, each loaded when it is asked for, and what a failure looks like.
+
+Loading a command late is what keeps `--help` and completion fast: numba, fmpy and matplotlib take seconds together.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+import traceback
+from importlib import import_module
+from importlib.metadata import version as version_of
+from typing import Annotated, Any, ClassVar
 
 import typer
+from typer.core import TyperGroup
 
-from .commands import rail, wheel
-from .commands.build import build
-from .commands.check import check
-from .commands.competition import competition
-from .commands.coupling import coupling
-from .commands.export import export
-from .commands.friction import friction
-from .commands.info import info
-from .commands.listen import listen
-from .commands.paper import paper
-from .commands.rail_measured import measured as rail_measured
-from .commands.report import report
-from .commands.run import resume, run
-from .commands.stability import stability
-from .commands.table4 import table4
-from .commands.tools import say
 from .errors import InputError, SimulationError
 
-app = typer.Typer(
-    name="curvesqueal",
-    help="Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside.",
-    rich_markup_mode=None,
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-rails = typer.Typer(
-    help="Rails: fit modal data to a track or a measurement, draw receptances, build FMUs.", no_args_is_help=True
-)
-wheels = typer.Typer(help="Wheels: build an FMU from modal data, draw sections and modes.", no_args_is_help=True)
+Table = dict[str, tuple[str, str]]
+"""Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
 
-COMMANDS: tuple[Callable[..., None], ...] = (
-    build, run, resume, info, friction, check, export, coupling, stability, table4, listen, report, competition, paper,
-)  # fmt: skip
-RAIL_COMMANDS: tuple[Callable[..., None], ...] = (rail.fit, rail.figures, rail.build, rail.regenerate)
-WHEEL_COMMANDS: tuple[Callable[..., None], ...] = (wheel.build, wheel.figures)
-for command in COMMANDS:
-    app.command()(command)
-for command in RAIL_COMMANDS:
-    rails.command()(command)
-rails.command("measured")(rail_measured)
-for command in WHEEL_COMMANDS:
-    wheels.command()(command)
+COMMANDS: Table = {
+    "build": ("systems.build", "Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."),
+    "run": ("systems.run", "Simulate a case of the paper or any system of co-simulation FMUs."),
+    "resume": ("systems.run", "Go on with a run from its checkpoint, to the bit as if it had never stopped."),
+    "info": ("systems.info", "Show what is inside an FMU or a system."),
+    "friction": (
+        "analysis.friction:friction",
+        "Draw friction curves, by default those of figure 5, from the contact FMU.",
+    ),
+    "check": (
+        "systems.check:check",
+        "Test an FMU against the contract of a rail.",
+    ),
+    "export": (
+        "systems.export:export",
+        "Write the system that `run` would run with the same options, for other tools.",
+    ),
+    "coupling": (
+        "analysis.coupling:coupling",
+        "Show what each master algorithm does to the growth rates, mode by mode.",
+    ),
+    "stability": ("analysis.stability", "Find the unstable frequencies of a case or of a system of FMUs."),
+    "table4": (
+        "pages.table4:table4",
+        "Print Table 4 of the paper next to ours, cell by cell.",
+    ),
+    "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
+    "report": ("pages.report", "Write one self-contained HTML page about runs."),
+    "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
+    "paper": ("pages.paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
+}
+RAIL_COMMANDS: Table = {
+    "fit": ("structures.rail", "Fit a modal rail to the analytical track of a track file."),
+    "figures": ("structures.rail", "Draw the receptances of a track and its modal rails."),
+    "measured": ("structures.rail_measured", "Fit a passive modal rail to measured functions."),
+    "build": ("structures.rail", "Build a rail FMU from a modal data file."),
+    "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
+}
+WHEEL_COMMANDS: Table = {
+    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
+}
+FAULT = 70
+"""Exit code of a fault of this program, EX_SOFTWARE of sysexits.h."""
+
+
+class LateGroup(TyperGroup):
+    """A group whose commands are imported when they are asked for."""
+
+    table: ClassVar[Table] = {}
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names, in the order of the table, then those of groups."""
+        return [*self.table, *super().list_commands(ctx)]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Import and return a command."""
+        if cmd_name not in self.table:
+            return super().get_command(ctx, cmd_name)
+        module, _, function = self.table[cmd_name][0].partition(":")
+        one = typer.Typer(add_completion=False, rich_markup_mode=None)
+        one.command(cmd_name)(getattr(import_module(f".commands.{module}", __package__), function or cmd_name))
+        return typer.main.get_command(one)
+
+    def format_commands(self, _ctx: Any, formatter: Any) -> None:
+        """List the commands with what they do, without importing them."""
+        groups = [(name, command.get_short_help_str(300)) for name, command in self.commands.items()]
+        with formatter.section("Commands"):
+            formatter.write_dl([*((name, text) for name, (_, text) in self.table.items()), *groups])
+
+
+class _Commands(LateGroup):
+    table = COMMANDS
+
+
+class _RailCommands(LateGroup):
+    table = RAIL_COMMANDS
+
+
+class _WheelCommands(LateGroup):
+    table = WHEEL_COMMANDS
+
+
+app = typer.Typer(cls=_Commands, rich_markup_mode=None, no_args_is_help=True, pretty_exceptions_enable=False)
+rails = typer.Typer(
+    cls=_RailCommands,
+    help="Rails: fit modal data to a track or a measurement, draw receptances, build FMUs.",
+    no_args_is_help=True,
+)
+wheels = typer.Typer(
+    cls=_WheelCommands, help="Wheels: build an FMU from modal data, draw sections and modes.", no_args_is_help=True
+)
+for group in (rails, wheels):
+    group.callback()(lambda: None)
 app.add_typer(rails, name="rail")
 app.add_typer(wheels, name="wheel")
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"curvesqueal {version_of('curvesqueal')}")
+        raise typer.Exit
+
+
+@app.callback()
+def curvesqueal(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside."""
+
+
 def command_line() -> int:
-    """Run the command line and return its exit code; a user's mistake is one sentence and a non-zero code."""
+    """Run the command line and return its exit code.
+
+    A user's mistake, or an FMU's failure, is one sentence and 1; a fault of this program its traceback, a sentence and
+    `FAULT`; an end by Ctrl-C 130; options that cannot be read 2.
+    """
     try:
-        app()
+        app(prog_name="curvesqueal")
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else int(end.code is not None)
     except (InputError, SimulationError) as error:
-        say(f"curvesqueal: {error}")
-        return 1
+        return _failed(f"curvesqueal: {error}", 1)
+    except Exception as error:  # whatever else comes up to here is no mistake of the user's
+        traceback.print_exc()
+        said = f"{type(error).__name__}: {error}"
+        return _failed(f"curvesqueal: a fault of the program itself, not of your input: {said}", FAULT)
     return 0
+
+
+def _failed(sentence: str, code: int) -> int:
+    sys.stderr.write(f"{sentence}\n")
+    return code
 
 
 def main() -> None:

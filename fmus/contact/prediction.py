@@ -25,6 +25,9 @@ DECAY = 0.5
 STICK, SLIP = 0.7, 0.85
 """Smallest diagonal element of (I - g' Y)^-1 up to which the rest decays, and from which on it is a parabola."""
 
+TURN = 0.2
+"""Largest change of the part of the parabola in one step: a jump of it is a jump of the forces."""
+
 HISTORY = 3
 """Steps after which a parabola is known."""
 
@@ -82,7 +85,8 @@ def _look_further(parameters, derived, state, v, v_normal, u_normal, h):  # type
     smallest = min(state[n], state[n + 4], state[n + 8])
     known_parabola = state[S.steps] >= HISTORY
     state[S.steps] += 1.0
-    part = min(1.0, max(0.0, (smallest - STICK) / (SLIP - STICK))) if known_parabola else 0.0
+    wanted = min(1.0, max(0.0, (smallest - STICK) / (SLIP - STICK))) if known_parabola else 0.0
+    part = min(max(wanted, state[S.part] - TURN), state[S.part] + TURN)
     part_normal = 1.0 if known_parabola else 0.0
     state[S.part] = part
     state[S.part_normal] = part_normal

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
+from ..errors import DataError
+
 
 @dataclass(frozen=True)
 class Ellipse:
@@ -39,7 +41,7 @@ def ellipse(major: float, minor: float, load: float, young: float, poisson: floa
 
     Raises
     ------
-    ValueError
+    DataError
         Unless major > minor > 0 and load > 0.
 
     Notes
@@ -50,7 +52,7 @@ def ellipse(major: float, minor: float, load: float, young: float, poisson: floa
     1.68
     """
     if not major > minor > 0 or not load > 0:
-        raise ValueError(f"ellipse {major:g} x {minor:g} m under {load:g} N: must be major > minor > 0 and load > 0")
+        raise DataError(f"ellipse {major:g} x {minor:g} m under {load:g} N: must be major > minor > 0 and load > 0")
     ratio2 = (minor / major) ** 2
     m = 1.0 - ratio2
     k, e = float(ellipkm1(ratio2)), float(ellipe(m))
@@ -76,7 +78,7 @@ def ellipse_of_radii(larger: float, smaller: float, load: float, young: float, p
     1.2
     """
     if not larger > smaller > 0:
-        raise ValueError(f"radii {larger:g} and {smaller:g} m: must be larger > smaller > 0")
+        raise DataError(f"radii {larger:g} and {smaller:g} m: must be larger > smaller > 0")
     wanted = larger / smaller
 
     def curvature_ratio(aspect: float) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..component import Instance
+from ..errors import DataError
 from .component import INPUTS, vehicle
 from .contact_table import ContactTable
 from .layout import WHEEL_OUTPUTS, WHEELS, S, W
@@ -40,7 +41,7 @@ class Curve:
         """Check that the component takes these values; on straight track, where no rail is the outer one, no cant."""
         for value, (name, unit, _, low, high, *_) in zip(self.inputs, INPUTS, strict=True):
             if not low <= value <= high:
-                raise ValueError(f"{name} = {value:g} {unit}: must be in the range {low:g} to {high:g}")
+                raise DataError(f"{name} = {value:g} {unit}: must be in the range {low:g} to {high:g}")
 
     @property
     def inputs(self) -> tuple[float, float, float, float]:
@@ -129,7 +130,7 @@ class Bogie:
 
         Raises
         ------
-        ValueError
+        DataError
             If there is none; the sentence names the radius that was reached.
         """
         self.instance.inputs[:] = curve.inputs
@@ -142,7 +143,7 @@ class Bogie:
         if failed:
             reached = abs(float(self.instance.state[S.reached]))
             far = "straight track" if reached == 0 else f"a radius of {1 / reached:.1f} m"
-            raise ValueError(
+            raise DataError(
                 f"no steady state in a curve of {1 / abs(curve.curvature):g} m radius: {FAILURES[failed]}; "
                 f"found down to {far}"
                 if curve.curvature

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..component import Component, Variable
+from ..errors import DataError
 from .contact_table import ContactTable
 from .layout import STATE_SIZE, WHEELS, derived_size
 from .parameters import PARAMETERS, TABLE
@@ -48,7 +49,7 @@ def vehicle(
 
     Raises
     ------
-    ValueError
+    DataError
         For an unknown parameter or a value out of range.
     """
     starts = dict(parameters or {})
@@ -57,7 +58,7 @@ def vehicle(
         starts |= table.parameters
     unknown = sorted(set(starts) - {v.name for v in declared})
     if unknown:
-        raise ValueError(f"{name} has no parameter {unknown[0]!r}")
+        raise DataError(f"{name} has no parameter {unknown[0]!r}")
     declared = tuple(replace(v, start=starts.get(v.name, v.start)) for v in declared)
     inputs = tuple(
         Variable(n, "input", unit, text, start=start, minimum=low, maximum=high, nominal=nominal)

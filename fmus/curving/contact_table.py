@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
 from .parameters import TABLE
 
 Real = NDArray[np.float64]
@@ -45,9 +46,9 @@ class ContactTable:
         for name, *_ in TABLE:
             column = getattr(self, name)
             if column.shape != (n,) or not np.isfinite(column).all():
-                raise ValueError(f"{self.title}: {name} must be {n} finite numbers, one per shift")
+                raise DataError(f"{self.title}: {name} must be {n} finite numbers, one per shift")
         if n < 3 or np.ptp(np.diff(self.shift)) > 1e-9 or abs(self.shift[0] + self.shift[-1]) > 1e-9:
-            raise ValueError(f"{self.title}: shifts must be even and as many on either side of 0; got {n}")
+            raise DataError(f"{self.title}: shifts must be even and as many on either side of 0; got {n}")
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
+
 Real = NDArray[np.float64]
 
 SPACING = 0.02
@@ -39,13 +41,13 @@ class Profile:
     def __post_init__(self) -> None:
         """Check that there is one height for each lateral coordinate."""
         if self.lateral.ndim != 1 or self.lateral.shape != self.height.shape or self.lateral.size < 4:
-            raise ValueError(f"{self.title}: must be at least 4 points of a lateral coordinate and a height")
+            raise DataError(f"{self.title}: must be at least 4 points of a lateral coordinate and a height")
         if not (np.isfinite(self.lateral).all() and np.isfinite(self.height).all()):
-            raise ValueError(f"{self.title}: coordinates must be finite numbers")
+            raise DataError(f"{self.title}: coordinates must be finite numbers")
         back = np.flatnonzero(np.diff(self.lateral) <= 0)
         if back.size:
             at = int(back[0]) + 2
-            raise ValueError(
+            raise DataError(
                 f"{self.title}: the profile folds: the lateral coordinate must increase from point to point; "
                 f"point {at} is at {self.lateral[at - 1]:g} mm after {self.lateral[at - 2]:g} mm"
             )
@@ -137,26 +139,26 @@ def read_profile(path: Path) -> Profile:
 
     Raises
     ------
-    ValueError
+    DataError
         One sentence with file, line, what was wanted and what came.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise ValueError(f"{path.name}: must be a text file in UTF-8") from None
+        raise DataError(f"{path.name}: must be a text file in UTF-8") from None
     comments = [line.lstrip("# ").strip() for line in lines if line.startswith("#")]
     sources = [c.partition(":")[2].strip() for c in comments if c.lower().startswith("source:")]
     if not sources or not sources[0]:
-        raise ValueError(f"{path.name}: a line '# source: ...' must say where the profile comes from; got none")
+        raise DataError(f"{path.name}: a line '# source: ...' must say where the profile comes from; got none")
     numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip() and not line.startswith("#")]
     if not numbered or [c.strip() for c in numbered[0][1].split(",")] != ["lateral_mm", "height_mm"]:
-        raise ValueError(f"{path.name}: the first line must be lateral_mm,height_mm; got {numbered[:1]}")
+        raise DataError(f"{path.name}: the first line must be lateral_mm,height_mm; got {numbered[:1]}")
     points = []
     for number, row in zip([n for n, _ in numbered[1:]], csv.reader(line for _, line in numbered[1:]), strict=True):
         try:
             lateral, height = (float(c) for c in row)
         except ValueError:
-            raise ValueError(f"{path.name}, line {number}: must be two numbers; got {','.join(row)!r}") from None
+            raise DataError(f"{path.name}, line {number}: must be two numbers; got {','.join(row)!r}") from None
         points.append((lateral, height))
     table = np.array(points).reshape(-1, 2)
     return Profile(path.stem, sources[0], table[:, 0], table[:, 1])

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from ..creep.hertz import ellipse_of_radii
+from ..errors import DataError
 from .contact_table import ContactTable
 from .profiles import SPACING, Profile
 
@@ -67,7 +68,7 @@ def lay(rail: Profile, track: Track) -> tuple[Profile, float]:
 
     Raises
     ------
-    ValueError
+    DataError
         If the rail has no side 14 mm below its top.
     """
     c, s = np.cos(np.arctan(track.inclination)), np.sin(np.arctan(track.inclination))
@@ -81,7 +82,7 @@ def lay(rail: Profile, track: Track) -> tuple[Profile, float]:
     lateral, height = lateral[seen], height[seen]
     side = height >= height.max() - GAUGE_DEPTH
     if side[0] and not hidden:
-        raise ValueError(f"{rail.title}: must reach {GAUGE_DEPTH:g} mm below its top on the gauge side, for the gauge")
+        raise DataError(f"{rail.title}: must reach {GAUGE_DEPTH:g} mm below its top on the gauge side, for the gauge")
     shift = track.gauge / 2 - lateral[side].min()
     laid = Profile(f"{rail.title} at {track.inclination:.4g}", rail.source, lateral + shift, height - height.max())
     return laid, float(shift)
@@ -139,7 +140,7 @@ class _Gap:
             if abs(change) < _ROLL_TOLERANCE:
                 return roll, left, right
             roll += change
-        raise ValueError(f"wheel and rail do not touch on both sides at a shift of {shift:g} mm")
+        raise DataError(f"wheel and rail do not touch on both sides at a shift of {shift:g} mm")
 
 
 def contact_table(wheel: Profile, rail: Profile, track: Track | None = None) -> ContactTable:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..errors import DataError
 from .parameters import VEHICLE
 
 VEHICLES = Path(__file__).parent / "data" / "vehicles"
@@ -42,38 +43,38 @@ def read_vehicle(path: Path) -> Vehicle:
 
     Raises
     ------
-    ValueError
+    DataError
         One sentence with file, quantity, what was wanted and what came.
     """
     try:
         settings = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path.name}: not a TOML file: {error}") from None
+        raise DataError(f"{path.name}: not a TOML file: {error}") from None
     title = settings.pop("title", None)
     if not isinstance(title, str) or not title.strip():
-        raise ValueError(f"{path.name}: title must be a text; got {title!r}")
+        raise DataError(f"{path.name}: title must be a text; got {title!r}")
     wanted = {v.name: v for v in VEHICLE}
     for problem, names in (("is unknown", set(settings) - set(wanted)), ("is missing", set(wanted) - set(settings))):
         if names:
-            raise ValueError(f"{path.name}: {min(names)!r} {problem}; wanted are {', '.join(wanted)}")
+            raise DataError(f"{path.name}: {min(names)!r} {problem}; wanted are {', '.join(wanted)}")
     values = {name: _value(settings[name], name, wanted[name].unit, path.name) for name in wanted}
     for name, value in values.items():
         try:
             wanted[name].check(value)
         except ValueError as error:
-            raise ValueError(f"{path.name}: {error}") from None
+            raise DataError(f"{path.name}: {error}") from None
     return Vehicle(title, values, {name: settings[name]["source"] for name in wanted})
 
 
 def _value(entry: Any, name: str, unit: str, where: str) -> float:
     """Return the number of one table."""
     if not isinstance(entry, dict) or set(entry) != {"value", "unit", "source"}:
-        raise ValueError(f"{where}: [{name}] must have value, unit and source; got {entry!r}")
+        raise DataError(f"{where}: [{name}] must have value, unit and source; got {entry!r}")
     value, source = entry["value"], entry["source"]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{where}: {name} must be a number; got {value!r}")
+        raise DataError(f"{where}: {name} must be a number; got {value!r}")
     if entry["unit"] != unit:
-        raise ValueError(f"{where}: {name} must be in {unit}; got {entry['unit']!r}")
+        raise DataError(f"{where}: {name} must be in {unit}; got {entry['unit']!r}")
     if not isinstance(source, str) or not source.strip():
-        raise ValueError(f"{where}: {name} must have a text as source ('assumed' if there is none); got {source!r}")
+        raise DataError(f"{where}: {name} must have a text as source ('assumed' if there is none); got {source!r}")
     return float(value)

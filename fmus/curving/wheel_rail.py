@@ -109,6 +109,6 @@ def _creep_forces(parameters, derived, g, lon, lat, spin, bound, a, b):  # type:
         return 0.0, 0.0
     cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
     L1, L2, L3 = flexibilities(a, b, modulus, c11, c22, c23)
-    peak = bound / bound_volume(a, b, cells, strips)
-    f_lon, f_lat, _ = fastsim(lon, lat, spin, peak, a, b, L1, L2, L3, cells, strips, derived, D.scratch)
+    volume = bound_volume(a, b, cells, strips)
+    f_lon, f_lat, _ = fastsim(lon, lat, spin, bound, volume, a, b, L1, L2, L3, cells, strips, derived, D.scratch)
     return tau * f_lon, tau * f_lat

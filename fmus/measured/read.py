@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..errors import DataError
 from .function import Contents
 from .selection import Choice, Measured, select
 from .tables import read_archive, read_csv
@@ -17,15 +18,15 @@ def read_contents(path: Path) -> Contents:
 
     Raises
     ------
-    ValueError
+    DataError
         For a file that is none of them, or is broken; says where.
     """
     if not path.is_file():
-        raise ValueError(f"{path}: no such file")
+        raise DataError(f"{path}: no such file")
     with path.open("rb") as file:
         head = file.read(_HEAD)
     if not head.strip():
-        raise ValueError(f"{path.name}: is empty")
+        raise DataError(f"{path.name}: is empty")
     if head.startswith(b"PK\x03\x04"):
         return read_archive(path)
     return read_universal(path) if is_universal(head) else read_csv(path)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from .function import Complex, Contents, Function, Place, Real
 from .units import QUANTITIES, Ratio, read_ratio, read_system, rotations
@@ -45,12 +46,12 @@ class Choice:
     def __post_init__(self) -> None:
         """Check what can be checked without a file."""
         if self.quantity is not None and self.quantity not in QUANTITIES:
-            raise ValueError(f"quantity is {self.quantity!r}; must be one of {', '.join(QUANTITIES)}")
+            raise DataError(f"quantity is {self.quantity!r}; must be one of {', '.join(QUANTITIES)}")
         twice = [d for d in self.axes.values() if list(self.axes.values()).count(d) > 1]
         if twice:
-            raise ValueError(f"axes: two codes are {twice[0]}; must be one")
+            raise DataError(f"axes: two codes are {twice[0]}; must be one")
         if self.start_hz is not None and self.stop_hz is not None and not self.start_hz < self.stop_hz:
-            raise ValueError(f"band from {self.start_hz:g} to {self.stop_hz:g} Hz; must increase")
+            raise DataError(f"band from {self.start_hz:g} to {self.stop_hz:g} Hz; must increase")
 
     def direction(self, code: int | str) -> tuple[str, float] | None:
         """Return direction and sign of a code, None for a code that is not used.
@@ -77,11 +78,11 @@ def read_axes(texts: Sequence[str]) -> dict[int, str]:
     for text in texts:
         code, _, direction = text.partition("=")
         if not code.lstrip("+-").isdigit() or not 1 <= abs(int(code)) <= 6 or direction not in DIRECTIONS:
-            raise ValueError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
+            raise DataError(f"axis {text}: must be CODE=DIRECTION with 1 to 6, -1 to -6 and {', '.join(DIRECTIONS)}")
         if int(code) in axes or -int(code) in axes:
-            raise ValueError(f"axis {text}: axis {abs(int(code))} is given twice")
+            raise DataError(f"axis {text}: axis {abs(int(code))} is given twice")
         if (abs(int(code)) > 3) != (direction == "spin"):
-            raise ValueError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
+            raise DataError(f"axis {text}: codes 1 to 3 are translations, 4 to 6 rotations; spin is a rotation")
         axes[int(code)] = direction
     return axes
 
@@ -113,25 +114,25 @@ class Measured:
         where, f = str(self.used.get("set", "measurement")), self.frequency_hz
         for direction in (self.response, self.reference):
             if direction not in DIRECTIONS:
-                raise ValueError(f"{where}: direction {direction!r}; must be one of {', '.join(DIRECTIONS)}")
+                raise DataError(f"{where}: direction {direction!r}; must be one of {', '.join(DIRECTIONS)}")
         bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
         if bad.size or not f.size:
             got = f"frequency {bad[0] + 1} is {f[bad[0]]:g} Hz" if bad.size else "no frequency above 0 Hz"
-            raise ValueError(f"{where}: {got}; must be finite and > 0")
+            raise DataError(f"{where}: {got}; must be finite and > 0")
         bad = np.flatnonzero(np.diff(f) <= 0)
         if bad.size:
-            raise ValueError(f"{where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+            raise DataError(f"{where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
         if self.receptance.shape != f.shape:
-            raise ValueError(f"{where}: {self.receptance.size} values in {self.words} for {f.size} frequencies")
+            raise DataError(f"{where}: {self.receptance.size} values in {self.words} for {f.size} frequencies")
         bad = np.flatnonzero(~np.isfinite(self.receptance) | (self.receptance == 0))
         if bad.size:
             got = self.receptance[bad[0]]
-            raise ValueError(f"{where}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0")
+            raise DataError(f"{where}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0")
         if self.coherence is not None:
             bad = np.flatnonzero(~((self.coherence >= 0) & (self.coherence <= 1)))
             if bad.size:
                 got = self.coherence[bad[0]]
-                raise ValueError(f"{where}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
+                raise DataError(f"{where}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
 
     @property
     def words(self) -> str:
@@ -155,24 +156,24 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
 
     Raises
     ------
-    ValueError
+    DataError
         Where the file holds nothing that fits, several that do, or says something else than the user; says what it
         holds.
     """
     name = contents.path.name
     if not contents.functions:
-        raise ValueError(f"{name}: holds no frequency response; holds {contents.listed()}")
+        raise DataError(f"{name}: holds no frequency response; holds {contents.listed()}")
     at_one_point = [f for f in contents.functions if f.response.node == f.reference.node]
     fitting = [f for f in at_one_point if choice.direction(f.response.code) and choice.direction(f.reference.code)]
     if not fitting:
-        raise ValueError(
+        raise DataError(
             f"{name}: no function has motion and force at one node in the axes asked for; holds {contents.listed()}"
         )
     nodes = sorted({f.response.node for f in fitting if f.response.node is not None})
     if choice.node is not None and nodes and choice.node not in nodes:
-        raise ValueError(f"{name}: no driving point at node {choice.node}; has {', '.join(map(str, nodes))}")
+        raise DataError(f"{name}: no driving point at node {choice.node}; has {', '.join(map(str, nodes))}")
     if choice.node is None and len(nodes) > 1:
-        raise ValueError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (option node)")
+        raise DataError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (option node)")
     found: dict[tuple[str, str], Measured] = {}
     for function in fitting:
         if nodes and function.response.node != (nodes[0] if choice.node is None else choice.node):
@@ -180,7 +181,7 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
         measured = _in_si(function, contents, choice)
         pair = (measured.response, measured.reference)
         if pair in found:
-            raise ValueError(f"{function.where}: a second function of {_words(pair)}; must be one")
+            raise DataError(f"{function.where}: a second function of {_words(pair)}; must be one")
         found[pair] = measured
     return list(found.values())
 
@@ -189,7 +190,7 @@ def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
     """Return a function as a receptance in SI on the lines of the band, with what was used for it."""
     (response, s), (reference, t) = (_direction(p, choice) for p in (function.response, function.reference))
     if function.force is False:
-        raise ValueError(f"{function.where}: the denominator is no force but {function.units[1] or 'something else'}")
+        raise DataError(f"{function.where}: the denominator is no force but {function.units[1] or 'something else'}")
     quantity, factor, units = _meaning(function, contents, choice, (response, reference))
     start = 1 if function.frequency_hz.size and function.frequency_hz[0] == 0 else 0  # mobility says nothing at 0 Hz
     f, values = function.frequency_hz[start:], function.values[start:]
@@ -210,7 +211,7 @@ def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
     )  # fmt: skip
     inside = (f >= (choice.start_hz or 0.0)) & (f <= (choice.stop_hz or np.inf))
     if not inside.any():
-        raise ValueError(f"{function.where}: has {f[0]:g} to {f[-1]:g} Hz; no line lies in the band asked for")
+        raise DataError(f"{function.where}: has {f[0]:g} to {f[-1]:g} Hz; no line lies in the band asked for")
     return measured.on_lines(inside)
 
 
@@ -232,21 +233,21 @@ def _meaning(function: Function, contents: Contents, choice: Choice, pair: tuple
     )
     for source, quantity in sources:
         if said is not None and quantity is not None and quantity != said:
-            raise ValueError(f"{function.where}: holds {said}; {source} {quantity}")
+            raise DataError(f"{function.where}: holds {said}; {source} {quantity}")
         said = said or quantity
     if said is None:
-        raise ValueError(
+        raise DataError(
             f"{function.where}: does not say whether it is a receptance, mobility or accelerance; "
             "say it with the option quantity"
         )
     if function.force is None and label is None and given is None:
-        raise ValueError(
+        raise DataError(
             f"{function.where}: does not say that its denominator is a force; if it is, say so with the "
             "option units, such as m/s/N"
         )
     for ratio in (label, given):
         if ratio is not None and ratio.rotations != rotations(*pair):
-            raise ValueError(f"{function.where}: unit {ratio.text!r} is not that of {_words(pair)}")
+            raise DataError(f"{function.where}: unit {ratio.text!r} is not that of {_words(pair)}")
     return said, *_factor(function, contents, choice, pair)
 
 
@@ -270,9 +271,7 @@ def _factor(function: Function, contents: Contents, choice: Choice, pair: tuple[
         return system.factor(*pair), f"{system.text(*pair)}, option units"
     if contents.si:
         return 1.0, _FORMAT_SI
-    raise ValueError(
-        f"{function.where}: does not say its units; give them with the option units, such as m/s/N or mm,N"
-    )
+    raise DataError(f"{function.where}: does not say its units; give them with the option units, such as m/s/N or mm,N")
 
 
 def _require_same(function: Function, choice: Choice, pair: tuple[str, str], factor: float, source: str) -> None:
@@ -282,7 +281,7 @@ def _require_same(function: Function, choice: Choice, pair: tuple[str, str], fac
         return
     asked = given.factor if given is not None else read_system(choice.units).factor(*pair)
     if not np.isclose(asked, factor, rtol=1e-4):
-        raise ValueError(
+        raise DataError(
             f"{function.where}: the option units, {choice.units}, is {asked:g} in SI; {source} says {factor:g}"
         )
 
@@ -302,7 +301,7 @@ def _label_ratio(function: Function) -> Ratio | None:
         except ValueError:
             continue
     shown = numerator if not denominator else f"{numerator} per {denominator}"
-    raise ValueError(f"{function.where}: unit {shown!r} is no displacement, velocity or acceleration per force")
+    raise DataError(f"{function.where}: unit {shown!r} is no displacement, velocity or acceleration per force")
 
 
 def _coherence(function: Function, contents: Contents, frequency_hz: Real) -> Real | None:

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from .function import Complex, Contents, Function, Place, Real
 from .units import frequency_factor
@@ -37,7 +38,7 @@ def read_text(path: Path) -> str:
 
     Raises
     ------
-    ValueError
+    DataError
         If it is no text.
     """
     data = path.read_bytes()
@@ -49,7 +50,7 @@ def read_text(path: Path) -> str:
             continue
         if "\0" not in text:
             return text
-    raise ValueError(f"{path.name}: neither text nor one of the binary formats that are read")
+    raise DataError(f"{path.name}: neither text nor one of the binary formats that are read")
 
 
 def read_csv_rows(path: Path) -> tuple[list[Header], list[tuple[int, list[str]]]]:
@@ -60,7 +61,7 @@ def read_csv_rows(path: Path) -> tuple[list[Header], list[tuple[int, list[str]]]
     lines = [(i, line) for i, line in enumerate(read_text(path).splitlines(), start=1)]
     lines = [(i, line) for i, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
-        raise ValueError(f"{path.name}: is empty")
+        raise DataError(f"{path.name}: is empty")
     separator = next((s for s in _SEPARATORS if s in lines[0][1]), ",")
     rows = [(i, next(csv.reader([line], delimiter=separator))) for i, line in lines]
     if separator != ",":  # then a comma within a number is its decimal sign
@@ -73,17 +74,17 @@ def read_csv(path: Path) -> Contents:
 
     Raises
     ------
-    ValueError
+    DataError
         For a column that is missing or a value that is no number, with its line.
     """
     headers, rows = read_csv_rows(path)
     names = [header.name for header in headers]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise ValueError(f"{path.name}: two columns {twice!r}; must be one")
+        raise DataError(f"{path.name}: two columns {twice!r}; must be one")
     frequency = next((h for h in headers if _FREQUENCY.fullmatch(h.name)), None)
     if frequency is None:
-        raise ValueError(f"{path.name}: column 'frequency_hz' is missing; has {', '.join(names)}")
+        raise DataError(f"{path.name}: column 'frequency_hz' is missing; has {', '.join(names)}")
     table = _numbers(path, names, rows)
     used = {h.name: h.unit for h in headers}
     columns = {name: table[:, i] for i, name in enumerate(names)}
@@ -94,10 +95,10 @@ def read_csv(path: Path) -> Contents:
         stem = response if force is None else f"{response}_{force}"
         for part in ("real", "imag"):
             if f"{stem}_{part}" not in columns:
-                raise ValueError(f"{path.name}: column '{stem}_{part}' is missing")
+                raise DataError(f"{path.name}: column '{stem}_{part}' is missing")
         units = {used[f"{stem}_{part}"] for part in ("real", "imag")}
         if len(units) > 1:
-            raise ValueError(f"{path.name}: {stem}_real is in {used[stem + '_real']!r}, {stem}_imag is not; must agree")
+            raise DataError(f"{path.name}: {stem}_real is in {used[stem + '_real']!r}, {stem}_imag is not; must agree")
         values = columns[f"{stem}_real"] + 1j * columns[f"{stem}_imag"]
         functions.append(_function(path, frequency_hz, values, (response, force or response), units.pop()))
     return _contents(path, frequency_hz, functions, columns)
@@ -109,9 +110,9 @@ def read_archive(path: Path) -> Contents:
         with np.load(path, allow_pickle=False) as archive:
             arrays = {name: np.asarray(archive[name]) for name in archive.files}
     except (ValueError, OSError, zipfile.BadZipFile, EOFError) as error:
-        raise ValueError(f"{path.name}: not a NumPy archive of plain arrays: {error}") from None
+        raise DataError(f"{path.name}: not a NumPy archive of plain arrays: {error}") from None
     if "frequency_hz" not in arrays:
-        raise ValueError(f"{path.name}: array 'frequency_hz' is missing; has {', '.join(arrays) or 'nothing'}")
+        raise DataError(f"{path.name}: array 'frequency_hz' is missing; has {', '.join(arrays) or 'nothing'}")
     frequency_hz = arrays["frequency_hz"].astype(float)
     texts = {key: str(arrays[key]) for key in ("quantity", "units") if key in arrays}
     functions = []
@@ -120,7 +121,7 @@ def read_archive(path: Path) -> Contents:
         if match is None:
             continue
         if values.shape != frequency_hz.shape or not np.iscomplexobj(values):
-            raise ValueError(
+            raise DataError(
                 f"{path.name}: {name!r} is {values.dtype} {values.shape}; must be complex and as frequency_hz"
             )
         directions = (match[1], match[2] or match[1])
@@ -141,11 +142,11 @@ def _hertz(path: Path, header: Header) -> float:
     match = _FREQUENCY.fullmatch(header.name)
     unit = header.unit or {"hz": "Hz", "khz": "kHz"}.get((match[1] if match else None) or "", "")
     if not unit:
-        raise ValueError(f"{path.name}: column {header.name!r} has no unit; must be frequency_hz or frequency [Hz]")
+        raise DataError(f"{path.name}: column {header.name!r} has no unit; must be frequency_hz or frequency [Hz]")
     try:
         return frequency_factor(unit)
     except ValueError as error:
-        raise ValueError(f"{path.name}: column {header.name!r}: {error}") from None
+        raise DataError(f"{path.name}: column {header.name!r}: {error}") from None
 
 
 def _numbers(path: Path, names: list[str], rows: list[tuple[int, list[str]]]) -> Real:
@@ -158,7 +159,7 @@ def _numbers(path: Path, names: list[str], rows: list[tuple[int, list[str]]]) ->
                 table[k, i] = float(texts[i])
             except (ValueError, IndexError):
                 got = repr(texts[i]) if i < len(texts) else "nothing"
-                raise ValueError(f"{path.name}, line {line}: {names[i]} must be a number; got {got}") from None
+                raise DataError(f"{path.name}, line {line}: {names[i]} must be a number; got {got}") from None
     return table
 
 

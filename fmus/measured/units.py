@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from ..errors import DataError
+
 QUANTITIES = {"receptance": 0, "mobility": 1, "accelerance": 2}
 """What is given per unit force, and the power of j omega that it has more than a receptance."""
 
@@ -69,7 +71,7 @@ def read_ratio(text: str) -> Ratio:
 
     Raises
     ------
-    ValueError
+    DataError
         If it is no unit, or none of a displacement, velocity or acceleration per force.
 
     Examples
@@ -89,7 +91,7 @@ def read_ratio(text: str) -> Ratio:
             for quantity, power in QUANTITIES.items():
                 if time == -power and length in (0, -1, -2):
                     return Ratio(text, factor, quantity, -int(length))
-    raise ValueError(f"unit {text!r} is no displacement, velocity or acceleration per force")
+    raise DataError(f"unit {text!r} is no displacement, velocity or acceleration per force")
 
 
 def frequency_factor(text: str) -> float:
@@ -101,7 +103,7 @@ def frequency_factor(text: str) -> float:
     angular = "rad" in text
     factor, dimension = _base(text)
     if dimension != {"[time]": -1}:
-        raise ValueError(f"unit {text!r} is no frequency")
+        raise DataError(f"unit {text!r} is no frequency")
     return factor / (2 * math.pi) if angular else factor
 
 
@@ -114,12 +116,12 @@ def read_system(text: str) -> UnitSystem:
     units = [part.strip() for part in text.split(",")]
     wanted = ({"[length]": 1}, {"[mass]": 1, "[length]": 1, "[time]": -2})
     if len(units) != 2:
-        raise ValueError(f"units {text!r}: must be a unit such as m/s/N, or those of length and force such as mm,N")
+        raise DataError(f"units {text!r}: must be a unit such as m/s/N, or those of length and force such as mm,N")
     factors = []
     for unit, dimension, word in zip(units, wanted, ("length", "force"), strict=True):
         factor, found = _base(unit)
         if found != dimension:
-            raise ValueError(f"units {text!r}: {unit!r} is no {word}")
+            raise DataError(f"units {text!r}: {unit!r} is no {word}")
         factors.append(factor)
     return UnitSystem(round(1 / factors[0], 9), round(1 / factors[1], 9), f"units {text}")
 
@@ -140,5 +142,5 @@ def _base(text: str) -> tuple[float, dict[str, float]]:
     try:
         quantity = _registry().Quantity(1.0, plain).to_base_units()
     except Exception:  # pint lets pass whatever Python's tokeniser raises
-        raise ValueError(f"{text!r} is no unit") from None
+        raise DataError(f"{text!r} is no unit") from None
     return float(quantity.magnitude), {k: float(v) for k, v in quantity.dimensionality.items()}

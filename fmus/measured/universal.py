@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pyuff
 
+from ..errors import DataError
 from .function import Complex, Contents, Function, Place, Real
 from .units import UnitSystem, frequency_factor
 
@@ -71,14 +72,14 @@ def read_data_sets(path: Path, kinds: tuple[int, ...] | None = None) -> list[Dat
 
     Raises
     ------
-    ValueError
+    DataError
         For a data set that cannot be read, with its number and line.
     """
     lines = _first_lines(path)
     file = pyuff.UFF(str(path))
     types = [int(t) for t in file.get_set_types()]
     if not types or len(types) != len(lines):
-        raise ValueError(f"{path.name}: not a universal file: no data sets between lines with -1")
+        raise DataError(f"{path.name}: not a universal file: no data sets between lines with -1")
     found = []
     for i, (kind, line) in enumerate(zip(types, lines, strict=True)):
         content: dict[str, Any] = {"type": kind}
@@ -87,7 +88,7 @@ def read_data_sets(path: Path, kinds: tuple[int, ...] | None = None) -> list[Dat
                 content = file.read_sets(i)
             except Exception:
                 what = SET_NAMES.get(kind, "no known kind")
-                raise ValueError(
+                raise DataError(
                     f"{path.name}, data set {i + 1} (line {line}): is not a readable data set {kind} ({what})"
                 ) from None
         found.append(DataSet(path.name, i + 1, line, content))
@@ -118,7 +119,7 @@ def unit_system(sets: list[DataSet]) -> UnitSystem | None:
 
     Raises
     ------
-    ValueError
+    DataError
         For factors that are not those of the units code, or two data sets that differ.
     """
     systems = []
@@ -126,15 +127,15 @@ def unit_system(sets: list[DataSet]) -> UnitSystem | None:
         code, length, force = (data.content[key] for key in ("units_code", "length", "force"))
         expected = _CODES.get(int(code))
         if not (length > 0 and force > 0):
-            raise ValueError(f"{data.where}: units with {length:g} per metre and {force:g} per newton; must be > 0")
+            raise DataError(f"{data.where}: units with {length:g} per metre and {force:g} per newton; must be > 0")
         if expected and not np.allclose((length, force), expected, rtol=1e-3):
-            raise ValueError(
+            raise DataError(
                 f"{data.where}: units code {code} means {expected[0]:g} per metre and {expected[1]:g} per newton, the "
                 f"factors are {length:g} and {force:g}; must agree"
             )
         systems.append(UnitSystem(length, force, f"data set 164 (line {data.line})"))
     if any(s.length != systems[0].length or s.force != systems[0].force for s in systems):
-        raise ValueError(f"{sets[0].file}: two data sets 164 with different units; must be one")
+        raise DataError(f"{sets[0].file}: two data sets 164 with different units; must be one")
     return systems[0] if systems else None
 
 
@@ -147,7 +148,7 @@ def _first_lines(path: Path) -> list[int]:
         line = text.count(b"\n", 0, begin.start()) + 1
         end = text.find(b"    -1", _data_end(text, begin.end()))
         if end < 0:
-            raise ValueError(
+            raise DataError(
                 f"{path.name}, data set {len(found) + 1} (line {line}): has no -1 at its end; the file is cut off"
             )
         found.append(line)
@@ -181,10 +182,10 @@ def _check_size(data: DataSet) -> None:
     c, said = data.content, int(data.content["num_pts"])
     values = np.asarray(c["data"])
     if values.size < said or (values.size > said and not c["binary"]):
-        raise ValueError(f"{data.where}: has {values.size} values; its header says {said}")
+        raise DataError(f"{data.where}: has {values.size} values; its header says {said}")
     bad = np.flatnonzero(~np.isfinite(values[:said]))
     if bad.size:
-        raise ValueError(f"{data.where}: value {bad[0] + 1} is {values[bad[0]]}; must be finite")
+        raise DataError(f"{data.where}: value {bad[0] + 1} is {values[bad[0]]}; must be finite")
 
 
 def _frequencies(data: DataSet) -> Real:
@@ -193,11 +194,11 @@ def _frequencies(data: DataSet) -> Real:
     kind, label = int(c["abscissa_spec_data_type"] or 0), _label(c["abscissa_axis_units_lab"])
     x = np.asarray(c["x"], dtype=float)[: int(c["num_pts"])]
     if kind not in (0, _FREQUENCY):
-        raise ValueError(f"{data.where}: the abscissa is of data type {kind}; must be 18, frequency")
+        raise DataError(f"{data.where}: the abscissa is of data type {kind}; must be 18, frequency")
     try:
         return x * frequency_factor(label) if label else x
     except ValueError as error:
-        raise ValueError(f"{data.where}: abscissa: {error}") from None
+        raise DataError(f"{data.where}: abscissa: {error}") from None
 
 
 def _function(data: DataSet, places: tuple[Place, Place]) -> Function:
@@ -206,7 +207,7 @@ def _function(data: DataSet, places: tuple[Place, Place]) -> Function:
     frequency_hz = _frequencies(data)
     values: Complex = np.asarray(c["data"])[: frequency_hz.size]
     if not np.iscomplexobj(values):
-        raise ValueError(f"{data.where}: its values are real; a frequency response must be complex")
+        raise DataError(f"{data.where}: its values are real; a frequency response must be complex")
     denominator = int(c["orddenom_spec_data_type"] or 0)
     return Function(
         where=data.where,
@@ -226,7 +227,7 @@ def _numerator(data: DataSet) -> str | None:
     if kind in (0, 1):
         return None
     if kind not in _NUMERATOR:
-        raise ValueError(
+        raise DataError(
             f"{data.where}: the numerator is of data type {kind}; must be 8, 11 or 12 (displacement, velocity, "
             "acceleration)"
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..component import Component, Variable
+from ..errors import DataError
 from ..interface import (
     DEFAULT_STEP,
     DIRECTIONS,
@@ -17,8 +18,9 @@ from ..interface import (
     structure_inputs,
     structure_outputs,
 )
-from .layout import _TABLES, N_MOBILITIES
+from .layout import DAMPING_RATIO, FREQUENCY, N_STATES, SHAPES, n_derived
 from .modes import Modes
+from .parameters import name_of
 
 
 def structure(name: str, description: str, modes: Modes, capacity: int | None = None) -> Component:
@@ -33,9 +35,9 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     """
     n = len(modes) if capacity is None else capacity
     if n < len(modes):
-        raise ValueError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
+        raise DataError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
     parameters = _modal_parameters(modes, n)
-    moving = tuple(v.name for v in parameters if v.name.startswith(("shape", INITIAL_VELOCITY)))
+    moving = tuple(v.name for v in parameters if v.name.startswith((*SHAPES, INITIAL_VELOCITY)))
     step = Variable(
         STEP_SIZE, "parameter", "s", "communication step that the mobilities y are given for",
         start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
@@ -59,7 +61,7 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     )  # fmt: skip
     velocities = tuple(
         Variable(
-            f"{MODAL_VELOCITY}_{i + 1:03d}", "local", MODAL_VELOCITY_UNIT, f"modal velocity of mode {i + 1}",
+            name_of(MODAL_VELOCITY, i + 1), "local", MODAL_VELOCITY_UNIT, f"modal velocity of mode {i + 1}",
             nominal=1e-3,
         )
         for i in range(n)
@@ -68,26 +70,26 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
         name=name,
         description=description,
         variables=(*inputs, *outputs, *mobilities, *parameters, step, *velocities),
-        derived_size=N_MOBILITIES + 1 + _TABLES * n,
-        state_size=2 * n,
+        derived_size=n_derived(n),
+        state_size=N_STATES * n,
         kernels="modal.kernels",
     )
 
 
 def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
-    """Return the seven blocks of modal parameters, padded to `n` modes."""
+    """Return the blocks of modal parameters, padded to `n` modes."""
     blocks = [
-        ("frequency", "Hz", "natural frequency", modes.omega / (2 * np.pi), 0.0, 1e6, 1e3),
-        ("damping_ratio", "1", "damping ratio", modes.zeta, 0.0, 1e3, 1e-3),
+        (FREQUENCY, "Hz", "natural frequency", modes.omega / (2 * np.pi), 0.0, 1e6, 1e3),
+        (DAMPING_RATIO, "1", "damping ratio", modes.zeta, 0.0, 1e3, 1e-3),
     ]
     blocks += [
-        (f"shape_{d}", SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
+        (SHAPES[j], SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
         for j, d in enumerate(DIRECTIONS)
     ]
     blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
     return tuple(
         Variable(
-            f"{name}_{i + 1:03d}", "parameter", unit, f"{text} of mode {i + 1}",
+            name_of(name, i + 1), "parameter", unit, f"{text} of mode {i + 1}",
             start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
         )
         for name, unit, text, values, low, high, nominal in blocks

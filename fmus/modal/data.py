@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from .modes import Modes
 
@@ -46,18 +47,18 @@ def read_modal_data(path: Path) -> ModalData:
 
     Raises
     ------
-    ValueError
+    DataError
         One sentence with file, mode, quantity, what was wanted and what came.
     """
     try:
         settings = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path.name}: not a TOML file: {error}") from None
+        raise DataError(f"{path.name}: not a TOML file: {error}") from None
     _refuse_unknown(settings, _FILE_KEYS, path.name)
     words = {key: _text(settings.get(key), key, path.name) for key in ("title", "source")}
     tables = settings.get("mode")
     if not isinstance(tables, list) or not tables or not all(isinstance(t, dict) for t in tables):
-        raise ValueError(f"{path.name}: [[mode]] must be given at least once; got {_shown(tables)}")
+        raise DataError(f"{path.name}: [[mode]] must be given at least once; got {_shown(tables)}")
     rows = [_mode(table, f"{path.name}, mode {number}") for number, table in enumerate(tables, start=1)]
     modes = Modes(
         omega=np.array([2 * np.pi * row["frequency_hz"] for row in rows]),
@@ -78,7 +79,7 @@ def format_modal_data(data: ModalData) -> str:
     """
     modes = data.modes
     if not len(modes):
-        raise ValueError(f"{data.title}: a modal data file needs at least one mode; got 0")
+        raise DataError(f"{data.title}: a modal data file needs at least one mode; got 0")
     parts = [f"title = {_quoted(data.title)}\nsource = {_quoted(data.source)}\n"]
     for i in range(len(modes)):
         moved = [f"{d} = {float(modes.shape[i, j])!r}" for j, d in enumerate(DIRECTIONS) if modes.shape[i, j] != 0]
@@ -101,7 +102,7 @@ def _mode(table: dict[str, Any], where: str) -> dict[str, Any]:
     """Return the checked values of one `[[mode]]` table."""
     label = table.get("label", "")
     if not isinstance(label, str):
-        raise ValueError(f"{where}: label must be a text; got {_shown(label)}")
+        raise DataError(f"{where}: label must be a text; got {_shown(label)}")
     if label:
         where = f"{where} ({label})"
     _refuse_unknown(table, _MODE_KEYS, where)
@@ -112,7 +113,7 @@ def _mode(table: dict[str, Any], where: str) -> dict[str, Any]:
         row[key] = _number(table.get(key), key, where, lowest=0.0, largest=_LARGEST[key])
     shape = table.get("shape")
     if not isinstance(shape, dict):
-        raise ValueError(f"{where}: shape must be a table of directions; got {_shown(shape)}")
+        raise DataError(f"{where}: shape must be a table of directions; got {_shown(shape)}")
     _refuse_unknown(shape, frozenset(DIRECTIONS), f"{where}, shape")
     bound = _LARGEST["shape"]
     row["shape"] = [_number(shape.get(d, 0.0), f"shape {d}", where, lowest=-bound, largest=bound) for d in DIRECTIONS]
@@ -125,21 +126,21 @@ def _number(value: Any, quantity: str, where: str, lowest: float, largest: float
         number = float(value)
         if math.isfinite(number) and lowest <= number <= largest:
             return number
-    raise ValueError(f"{where}: {quantity} must be a number from {lowest:g} to {largest:g}; got {_shown(value)}")
+    raise DataError(f"{where}: {quantity} must be a number from {lowest:g} to {largest:g}; got {_shown(value)}")
 
 
 def _text(value: Any, quantity: str, where: str) -> str:
     """Return `value` if it is a text that says something."""
     if isinstance(value, str) and value.strip():
         return value
-    raise ValueError(f"{where}: {quantity} must be a text; got {_shown(value)}")
+    raise DataError(f"{where}: {quantity} must be a text; got {_shown(value)}")
 
 
 def _refuse_unknown(table: dict[str, Any], known: frozenset[str], where: str) -> None:
     """Raise for a key that the format does not have."""
     unknown = sorted(set(table) - known)
     if unknown:
-        raise ValueError(f"{where}: {unknown[0]!r} is unknown; must be one of {', '.join(sorted(known))}")
+        raise DataError(f"{where}: {unknown[0]!r} is unknown; must be one of {', '.join(sorted(known))}")
 
 
 def _shown(value: Any) -> str:

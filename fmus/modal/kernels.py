@@ -1,4 +1,4 @@
-"""The component that both wheel and rail are: declaration and kernels; forces in, velocities and displacements out.
+"""The kernels of the component that both wheel and rail are: forces in, velocities and displacements out.
 
 Each mode steps exactly, with the force held (matrix exponential of its 2 x 2 block).
 """
@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 from ..compile import kernel
-from .layout import _BLOCKS, N_MOBILITIES
+from .layout import N_BLOCKS, N_MOBILITIES
 
-# The component: parameters are seven blocks of n values each, so that n follows from the array's length.
+# Parameters are blocks of n values each, so that n follows from the length of the array.
 
 
 @kernel
@@ -50,7 +50,7 @@ def _impulse_response(omega, zeta, h):  # type: ignore[no-untyped-def]
 @kernel
 def tabulate(parameters, derived, h):  # type: ignore[no-untyped-def]
     """Fill `derived`: interface mobility (10), step (1), six tables of the exact step of each mode."""
-    n = (parameters.size - 1) // _BLOCKS
+    n = (parameters.size - 1) // N_BLOCKS
     t = N_MOBILITIES + 1
     derived[N_MOBILITIES] = h
     for p in range(N_MOBILITIES):
@@ -75,7 +75,7 @@ def tabulate(parameters, derived, h):  # type: ignore[no-untyped-def]
 @kernel
 def _observe(parameters, state, outputs):  # type: ignore[no-untyped-def]
     """Sum the modal velocities and displacements into the velocities and displacements of the contact point."""
-    n = (parameters.size - 1) // _BLOCKS
+    n = (parameters.size - 1) // N_BLOCKS
     v0 = v1 = v2 = v3 = u0 = u1 = u2 = u3 = 0.0
     for i in range(n):
         v = state[i]
@@ -105,8 +105,8 @@ def _observe(parameters, state, outputs):  # type: ignore[no-untyped-def]
 @kernel
 def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
     """Start at zero displacement with the given modal velocities."""
-    n = (parameters.size - 1) // _BLOCKS
-    tabulate(parameters, derived, parameters[_BLOCKS * n])
+    n = (parameters.size - 1) // N_BLOCKS
+    tabulate(parameters, derived, parameters[N_BLOCKS * n])
     for i in range(n):
         state[i] = parameters[6 * n + i]
         state[n + i] = 0.0
@@ -116,7 +116,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
 @kernel
 def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Advance each mode exactly with the forces held over the step (matrix exponential of its 2 x 2 block)."""
-    n = (parameters.size - 1) // _BLOCKS
+    n = (parameters.size - 1) // N_BLOCKS
     if derived[N_MOBILITIES] != h:
         tabulate(parameters, derived, h)
     t = N_MOBILITIES + 1
@@ -145,7 +145,7 @@ def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitiv
     The step is linear and exact, and so is this: velocities change by the interface mobility, displacements by the
     integral of the impulse response.
     """
-    n = (parameters.size - 1) // _BLOCKS
+    n = (parameters.size - 1) // N_BLOCKS
     for row in range(8):
         sensitivity[row] = 0.0
     if h <= 0.0:  # no force has acted yet

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import DataError
+
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -28,7 +30,7 @@ class Modes:
 
     Raises
     ------
-    ValueError
+    DataError
         For wrong shapes, values that are not finite, or a negative frequency or damping ratio.
     """
 
@@ -41,19 +43,19 @@ class Modes:
         """Check shapes and ranges."""
         n = self.omega.size
         if self.omega.shape != (n,) or self.zeta.shape != (n,) or self.shape.shape != (n, 4):
-            raise ValueError(
+            raise DataError(
                 f"modes: omega {self.omega.shape}, zeta {self.zeta.shape}, shape {self.shape.shape}; "
                 "must be (n,), (n,), (n, 4)"
             )
         if self.labels and len(self.labels) != n:
-            raise ValueError(f"modes: {len(self.labels)} labels for {n} modes")
+            raise DataError(f"modes: {len(self.labels)} labels for {n} modes")
         for name, values in (("omega", self.omega), ("zeta", self.zeta)):
             bad = np.flatnonzero(~np.isfinite(values) | (values < 0))
             if bad.size:
-                raise ValueError(f"mode {bad[0] + 1}: {name} = {values[bad[0]]:g}; must be finite and >= 0")
+                raise DataError(f"mode {bad[0] + 1}: {name} = {values[bad[0]]:g}; must be finite and >= 0")
         bad_rows = np.flatnonzero(~np.isfinite(self.shape).all(axis=1))
         if bad_rows.size:
-            raise ValueError(f"mode {bad_rows[0] + 1}: the shape is not finite")
+            raise DataError(f"mode {bad_rows[0] + 1}: the shape is not finite")
 
     def __len__(self) -> int:
         """Return the number of modes."""

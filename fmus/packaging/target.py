@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..errors import DataError
 from .native.linker import find_compiler
 from .native.platforms import PLATFORMS, this_platform
 
@@ -32,13 +33,13 @@ class Target:
 
         Raises
         ------
-        ValueError
+        DataError
             If they cannot be.
         """
         if self.flavour not in ("native", "python"):
-            raise ValueError(f"flavour {self.flavour!r}: must be native or python")
+            raise DataError(f"flavour {self.flavour!r}: must be native or python")
         if self.fmi not in (2, 3):
-            raise ValueError(f"FMI {self.fmi}: must be 2 or 3")
+            raise DataError(f"FMI {self.fmi}: must be 2 or 3")
         if self.flavour == "python":
             self._check_python()
             return
@@ -46,17 +47,17 @@ class Target:
             object.__setattr__(self, "platforms", (this_platform(),))
         for name in self.platforms:
             if name not in PLATFORMS:
-                raise ValueError(f"platform {name!r}: must be one of {', '.join(PLATFORMS)}")
+                raise DataError(f"platform {name!r}: must be one of {', '.join(PLATFORMS)}")
             if find_compiler(name) is None:
-                raise ValueError(f"platform {name}: there is no C compiler for it; the package ziglang brings one")
+                raise DataError(f"platform {name}: there is no C compiler for it; the package ziglang brings one")
 
     def _check_python(self) -> None:
         if self.fmi != 2:
-            raise ValueError("Python FMUs: PythonFMU writes FMI 2 only; --flavour native has FMI 3")
+            raise DataError("Python FMUs: PythonFMU writes FMI 2 only; native FMUs have FMI 3")
         if this_platform() not in PYTHON_PLATFORMS:
-            raise ValueError(f"Python FMUs: PythonFMU has no binary for {this_platform()}; {_ZIG_HELPS}")
+            raise DataError(f"Python FMUs: PythonFMU has no binary for {this_platform()}; {_ZIG_HELPS}")
         if self.platforms:
-            raise ValueError(f"Python FMUs: run on {' and '.join(PYTHON_PLATFORMS)} only; leave --platforms out")
+            raise DataError(f"Python FMUs: run on {' and '.join(PYTHON_PLATFORMS)} only; leave the platforms out")
 
     def __str__(self) -> str:
         """Return it in words."""
@@ -74,7 +75,7 @@ def default_target() -> Target:
 
     Raises
     ------
-    ValueError
+    DataError
         If neither is possible here.
     """
     here = this_platform()
@@ -88,7 +89,7 @@ def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Ta
 
     Raises
     ------
-    ValueError
+    DataError
         If one of them cannot be built here.
     """
     if flavour == "all":
@@ -96,6 +97,6 @@ def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Ta
     if flavour is None:
         default = default_target()
         if default.flavour == "python" and (fmi != 2 or platforms):
-            raise ValueError(f"native FMUs: {_ZIG_HELPS}")
+            raise DataError(f"native FMUs: {_ZIG_HELPS}")
         flavour = default.flavour
     return (Target(flavour, fmi, tuple(platforms)),)

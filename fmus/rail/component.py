@@ -33,6 +33,9 @@ def discrete_rail() -> Component:
 
 
 def rigid_rail() -> Component:
-    """Return the rail that does not move: the same contract with no modes, so no velocity and no mobility."""
+    """Return the rail that does not move: the same contract with one mode of no shape, so no velocity and no mobility.
+
+    The one mode is there to be seen: a structure that shows no modes may be any, one that shows this cannot move.
+    """
     none = Modes(np.zeros(0), np.zeros(0), np.zeros((0, 4)))
-    return structure("rail_rigid", "Rigid rail: obeys the rail's contract and does not move", none)
+    return structure("rail_rigid", "Rigid rail: obeys the rail's contract and does not move", none, capacity=1)

@@ -17,6 +17,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementLineHermite, ElementLinePp, MeshLine
 from skfem.helpers import dd, grad
 
+from ..errors import DataError
 from ..modal.modes import Modes
 from .fit import FIT_BAND_HZ, fit_modes
 from .track import LAT, LON, SPIN, VER, support_stiffness, tilting_stiffness
@@ -57,11 +58,11 @@ class DiscreteTrack:
     def __post_init__(self) -> None:
         """Check the ranges."""
         if not 0 <= self.position <= 1:
-            raise ValueError(f"discrete track: position = {self.position:g}; must be from 0 to 1 of the span")
+            raise DataError(f"discrete track: position = {self.position:g}; must be from 0 to 1 of the span")
         if self.spans < 2 or self.end_spans < 1:
-            raise ValueError(f"discrete track: {self.spans} + 2 x {self.end_spans} spans; must be at least 2 + 2 x 1")
+            raise DataError(f"discrete track: {self.spans} + 2 x {self.end_spans} spans; must be at least 2 + 2 x 1")
         if self.track.contact_offset:
-            raise ValueError(f"discrete track: contact_offset = {self.track.contact_offset:g} m; must be 0")
+            raise DataError(f"discrete track: contact_offset = {self.track.contact_offset:g} m; must be 0")
 
     @property
     def sleepers(self) -> Real:
@@ -90,7 +91,7 @@ def discrete_receptance(omega: ArrayLike, model: DiscreteTrack) -> Complex:
     """
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     if w.ndim != 1 or not np.isfinite(w).all() or (w <= 0).any():
-        raise ValueError("discrete_receptance: angular frequencies must be finite and > 0")
+        raise DataError("discrete_receptance: angular frequencies must be finite and > 0")
     alpha = np.zeros((w.size, 4, 4), dtype=complex)
     for directions, stiffness, mass, loads, feet in model.beams.systems:
         supports = [_springs(w, model, direction) for direction, _ in feet]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from ..modal.modes import Modes, receptance
 from .direction_fit import Goal, fit_direction, rms_error
@@ -77,7 +78,7 @@ def fit_modes(omega: ArrayLike, target: Complex, most_modes: int = MOST_MODES, g
 
     Raises
     ------
-    ValueError
+    DataError
         For too few, unsorted or not positive frequencies, or values that are not finite.
     """
     w = _checked(omega, target, most_modes)
@@ -99,26 +100,26 @@ def check_frequencies(frequency_hz: Real, what: str) -> None:
     f = frequency_hz
     bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
     if bad.size:
-        raise ValueError(f"{what}: frequency {bad[0] + 1} is {f[bad[0]]:g} Hz; must be finite and > 0")
+        raise DataError(f"{what}: frequency {bad[0] + 1} is {f[bad[0]]:g} Hz; must be finite and > 0")
     bad = np.flatnonzero(np.diff(f) <= 0)
     if bad.size:
-        raise ValueError(f"{what}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+        raise DataError(f"{what}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
 
 
 def _checked(omega: ArrayLike, target: Complex, most_modes: int) -> Real:
     """Return the frequencies as an array if data and settings can be fitted."""
     w = np.asarray(omega, dtype=float)
     if w.ndim != 1 or w.size < FEWEST_FREQUENCIES:
-        raise ValueError(f"fit: {w.size} frequencies; must be at least {FEWEST_FREQUENCIES}")
+        raise DataError(f"fit: {w.size} frequencies; must be at least {FEWEST_FREQUENCIES}")
     check_frequencies(w / (2 * np.pi), "fit")
     if target.shape != (w.size, 4, 4):
-        raise ValueError(f"fit: receptance has the shape {target.shape}; must be {(w.size, 4, 4)}")
+        raise DataError(f"fit: receptance has the shape {target.shape}; must be {(w.size, 4, 4)}")
     for j, direction in enumerate(DIRECTIONS):
         values = target[:, j, j]
         bad = np.flatnonzero(~np.isfinite(values) | ((values == 0) & values.any()))
         if bad.size:
             f = w[bad[0]] / (2 * np.pi)
-            raise ValueError(f"fit: {direction} receptance at {f:g} Hz is {values[bad[0]]}; must be finite and not 0")
+            raise DataError(f"fit: {direction} receptance at {f:g} Hz is {values[bad[0]]}; must be finite and not 0")
     if most_modes < 1:
-        raise ValueError(f"fit: most_modes = {most_modes}; must be at least 1")
+        raise DataError(f"fit: most_modes = {most_modes}; must be at least 1")
     return w

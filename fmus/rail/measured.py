@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from ..measured.noise import LARGEST_NOISE, Averaged, averaged, good_band, relative_noise
 from ..measured.read import read_measured
@@ -81,7 +82,7 @@ def rail_from_frf(  # noqa: PLR0913 - one argument per property of the data
 
     Raises
     ------
-    ValueError
+    DataError
         For data that are too few, too noisy or not passive enough.
 
     Examples
@@ -93,9 +94,9 @@ def rail_from_frf(  # noqa: PLR0913 - one argument per property of the data
     (1000.0, 0.2)
     """
     if quantity not in QUANTITIES:
-        raise ValueError(f"quantity is {quantity!r}; must be one of {', '.join(QUANTITIES)}")
+        raise DataError(f"quantity is {quantity!r}; must be one of {', '.join(QUANTITIES)}")
     if not functions:
-        raise ValueError(f"measurement: no direction; must be at least one of {', '.join(DIRECTIONS)}")
+        raise DataError(f"measurement: no direction; must be at least one of {', '.join(DIRECTIONS)}")
     f = np.asarray(frequency_hz, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         to_receptance = (2j * np.pi * f) ** -float(QUANTITIES[quantity])
@@ -125,7 +126,7 @@ def rail_from_files(
 
     Raises
     ------
-    ValueError
+    DataError
         For files that cannot be read or fitted, or a direction that two files have; says which file.
     """
     chosen = choice or Choice()
@@ -133,11 +134,11 @@ def rail_from_files(
     for file in files:
         points = [m for m in read_measured(file, chosen) if m.response == m.reference]
         if not points:
-            raise ValueError(f"{file.name}: holds cross functions only; a rail needs point functions")
+            raise DataError(f"{file.name}: holds cross functions only; a rail needs point functions")
         for measured in points:
             if measured.response in found:
                 other = found[measured.response][0]
-                raise ValueError(f"{file}: holds {measured.response} as {other} does; must be in one file")
+                raise DataError(f"{file}: holds {measured.response} as {other} does; must be in one file")
             _require_rail(measured)
             found[measured.response] = (file, measured)
     automatic = chosen.start_hz is None and chosen.stop_hz is None
@@ -165,7 +166,7 @@ def fit_measured(
             active = _require_passive(measured.response, means, largest_active_degrees)
             own, errors = _fitted(measured.response, means, most_modes)
         except ValueError as error:
-            raise ValueError(f"{measured.used['set']}: {error}") from None
+            raise DataError(f"{measured.used['set']}: {error}") from None
         modes.append(own)
         used[measured.response] = chosen.used
         quality[measured.response] = {
@@ -190,7 +191,7 @@ def _good_part(measured: Measured, automatic_band: bool) -> tuple[Measured, Aver
     if automatic_band:
         inside = good_band(measured.frequency_hz, noise, measured.coherence)
     if inside.sum() < FEWEST_FREQUENCIES:
-        raise ValueError(
+        raise DataError(
             f"{measured.response} has {inside.sum()} frequencies with noise below {LARGEST_NOISE:.0%} of the value, of "
             f"{inside.size}; must be at least {FEWEST_FREQUENCIES}"
         )
@@ -204,7 +205,7 @@ def _require_passive(direction: str, means: Averaged, largest_degrees: float) ->
 
     Raises
     ------
-    ValueError
+    DataError
         If that is more than `largest_degrees` and three standard deviations of the noise.
     """
     phase = np.degrees(np.angle(1j * means.values))
@@ -212,7 +213,7 @@ def _require_passive(direction: str, means: Averaged, largest_degrees: float) ->
     allowed = largest_degrees + _SIGMAS * np.degrees(means.noise / np.sqrt(2.0))
     worst = int(np.argmax(beyond - allowed))
     if beyond[worst] > allowed[worst]:
-        raise ValueError(
+        raise DataError(
             f"{direction} mobility at {means.frequency_hz[worst]:g} Hz has a phase of {phase[worst]:.1f} degrees; "
             f"must be within +-90, as a passive rail's is, or {allowed[worst]:.2g} more"
         )
@@ -234,7 +235,7 @@ def _require_rail(measured: Measured) -> None:
     """Raise ValueError for a receptance that no rail has, where the file does not say its units."""
     largest = float(np.abs(measured.receptance).max())
     if measured.si_assumed and measured.response in TRANSLATIONS and largest > SOFTEST:
-        raise ValueError(
+        raise DataError(
             f"{measured.used['set']}: {measured.response} receptance reaches {largest:.2g} m/N, more than a rail's "
             f"({SOFTEST:g}); the file gives no unit: say it in its header or with the option units"
         )

@@ -1,6 +1,6 @@
 """The shipped modal rails: default track in, `data/rail.toml`, `rail-paper.toml` and `rail-discrete.toml` out.
 
-`python -m fmus.rail.regenerate` writes them; with `--check` it writes nothing and fails where their receptances differ
+`curvesqueal rail regenerate` writes them, or says where their receptances differ
 from those of what is there.
 """
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import DataError
 from ..modal.data import ModalData, read_modal_data, write_modal_data
 from ..modal.modes import Modes, receptance
 from .component import DATA
@@ -52,9 +53,9 @@ def modal_rail(track: Track, method: str, most_modes: int | None = None) -> Moda
         Largest number of modes in each direction, 'accurate' only.
     """
     if method not in METHODS:
-        raise ValueError(f"method is {method!r}; must be one of {', '.join(METHODS)}")
+        raise DataError(f"method is {method!r}; must be one of {', '.join(METHODS)}")
     if method == "paper" and most_modes is not None:
-        raise ValueError("most_modes goes with method 'accurate'; the paper's method takes every cut-on")
+        raise DataError("most_modes goes with method 'accurate'; the paper's method takes every cut-on")
     modes = accurate_modes(track, most_modes) if most_modes is not None else METHODS[method](track)
     return ModalData(f"{method} modal rail: {track.title}", _SOURCE[method], _rounded(modes))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import DataError
 from .track_data import Section, Support, Track
 
 Real = NDArray[np.float64]
@@ -40,7 +41,7 @@ def track_receptance(omega: ArrayLike, track: Track) -> Complex:
     """
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     if w.ndim != 1 or not np.isfinite(w).all() or (w <= 0).any():
-        raise ValueError("track_receptance: angular frequencies must be finite and > 0")
+        raise DataError("track_receptance: angular frequencies must be finite and > 0")
     alpha = np.zeros((w.size, 4, 4), dtype=complex)
     alpha[:, LON, LON] = _residue_sum(*_rod(w, track))
     alpha[:, VER, VER] = _residue_sum(*_vertical(w, track))

@@ -12,6 +12,8 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from ..errors import DataError
+
 TRACKS = Path(__file__).parent / "data" / "tracks"
 
 LARGEST_RAIL_LOSS = 0.5
@@ -120,18 +122,18 @@ class Track:
         """Check the ranges."""
         layered = [s.ballast_stiffness is not None for s in (self.lon, self.lat, self.ver)]
         if any(layered) != all(layered) or any(layered) != (self.sleeper_mass > 0):
-            raise ValueError(
+            raise DataError(
                 f"{self.title}: sleeper_mass = {self.sleeper_mass:g} kg and ballast in {sum(layered)} of 3 directions; "
                 "must be a mass > 0 and ballast in all of them, or neither"
             )
         if not 0 < self.spacing < math.inf:
-            raise ValueError(f"{self.title}: spacing = {self.spacing:g} m; must be > 0")
+            raise DataError(f"{self.title}: spacing = {self.spacing:g} m; must be > 0")
         if not abs(self.contact_offset) <= 0.05:
-            raise ValueError(
+            raise DataError(
                 f"{self.title}: contact_offset = {self.contact_offset:g} m; must be on the head, within 0.05"
             )
         if self.lateral_model not in LATERAL_MODELS:
-            raise ValueError(f"{self.title}: lateral_model = {self.lateral_model!r}; must be one of {LATERAL_MODELS}")
+            raise DataError(f"{self.title}: lateral_model = {self.lateral_model!r}; must be one of {LATERAL_MODELS}")
 
 
 def read_track(path: Path) -> Track:
@@ -139,28 +141,28 @@ def read_track(path: Path) -> Track:
 
     Raises
     ------
-    ValueError
+    DataError
         One sentence with file, quantity, what was wanted and what came.
     """
     try:
         settings = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path.name}: not a TOML file: {error}") from None
+        raise DataError(f"{path.name}: not a TOML file: {error}") from None
     try:
         return _track(settings)
     except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
+        raise DataError(f"{path.name}: {error}") from None
 
 
 def _track(settings: dict[str, Any]) -> Track:
     """Return the track of a file's settings."""
     title, lateral_model = settings.pop("title", None), settings.pop("lateral_model", "torsion")
     if not isinstance(title, str) or not title:
-        raise ValueError(f"title must be a text; got {title!r}")
+        raise DataError(f"title must be a text; got {title!r}")
     section = Section(**_numbers(settings.pop("rail", {}), Section, "rail"))
     support = settings.pop("support", {})
     if not isinstance(support, dict):
-        raise ValueError(f"support must be a table; got {support!r}")
+        raise DataError(f"support must be a table; got {support!r}")
     lon, lat, ver = (_support(support.pop(d, {}), d) for d in ("lon", "lat", "ver"))
     own = _numbers({**support, **settings}, Track, "support")
     return Track(title, section, lon, lat, ver, lateral_model=lateral_model, **own)
@@ -172,34 +174,34 @@ def _support(table: Any, direction: str) -> Support:
     try:
         return Support(**numbers)
     except ValueError as error:
-        raise ValueError(f"{direction} {error}") from None
+        raise DataError(f"{direction} {error}") from None
 
 
 def _numbers(table: Any, of: type, where: str) -> dict[str, float]:
     """Return the numbers of a table, one for each field of `of` that has a unit."""
     if not isinstance(table, dict):
-        raise ValueError(f"{where} must be a table; got {table!r}")
+        raise DataError(f"{where} must be a table; got {table!r}")
     known: dict[str, Field[Any]] = {f.name: f for f in fields(of) if "unit" in f.metadata}
     unknown = sorted(set(table) - set(known))
     if unknown:
-        raise ValueError(f"{where}.{unknown[0]} is unknown; must be one of {', '.join(known)}")
+        raise DataError(f"{where}.{unknown[0]} is unknown; must be one of {', '.join(known)}")
     missing = [name for name, f in known.items() if f.default is MISSING and name not in table]
     if missing:
-        raise ValueError(f"{where}.{missing[0]} is missing")
+        raise DataError(f"{where}.{missing[0]} is missing")
     return {name: _number(entry, known[name].metadata["unit"], f"{where}.{name}") for name, entry in table.items()}
 
 
 def _number(entry: Any, unit: str, where: str) -> float:
     """Return the value of `{ value, unit, source }`."""
     if not isinstance(entry, dict) or set(entry) != {"value", "unit", "source"}:
-        raise ValueError(f"{where} must be {{ value = ..., unit = ..., source = ... }}; got {entry!r}")
+        raise DataError(f"{where} must be {{ value = ..., unit = ..., source = ... }}; got {entry!r}")
     value, source = entry["value"], entry["source"]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{where}: value must be a number; got {value!r}")
+        raise DataError(f"{where}: value must be a number; got {value!r}")
     if entry["unit"] != unit:
-        raise ValueError(f"{where}: unit must be {unit!r}; got {entry['unit']!r}")
+        raise DataError(f"{where}: unit must be {unit!r}; got {entry['unit']!r}")
     if not isinstance(source, str) or not source.strip():
-        raise ValueError(f"{where}: source must be a text; got {source!r}")
+        raise DataError(f"{where}: source must be a text; got {source!r}")
     return float(value)
 
 
@@ -212,10 +214,10 @@ def _check_positive(data: Section | Support, what: str) -> None:
         allowed = value >= 0 if f.name in _MAY_BE_ZERO else value > 0
         if not (allowed and math.isfinite(value)):
             bound = ">= 0" if f.name in _MAY_BE_ZERO else "> 0"
-            raise ValueError(f"{what}: {f.name} = {value:g} {f.metadata['unit']}; must be {bound}")
+            raise DataError(f"{what}: {f.name} = {value:g} {f.metadata['unit']}; must be {bound}")
 
 
 def _check_loss(value: float, what: str, largest: float) -> None:
     """Raise for a loss factor that no material has."""
     if value > largest:
-        raise ValueError(f"{what} = {value:g}; must be at most {largest:g}")
+        raise DataError(f"{what} = {value:g}; must be at most {largest:g}")

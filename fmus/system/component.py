@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ..component import Component, Variable
 from ..interface import DEFAULT_STEP, MODAL_VELOCITY, contact_inputs
+from ..modal.layout import N_STATES, n_parameters
 from .layout import (
     HANDED_DOWN,
     INPUTS,
@@ -38,7 +39,7 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
     declared = {v.name: v for v in contact.of("parameter")}
     declared |= {n: replace(declared[n], start=value) for n, value in values.items()}
     structures = {"wheel": wheel, "rail": rail}
-    sizes = {s: component.state_size // 2 for s, component in structures.items()}
+    sizes = {s: component.state_size // N_STATES for s, component in structures.items()}
     own = (
         *(_size(f"{s}_modes", n, f"number of modes of the {s}; fixed") for s, n in sizes.items()),
         Variable(
@@ -76,7 +77,7 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
         name=name,
         description="Railway wheel, rail and contact, coupled without inventing squeal",
         variables=(*inputs, *outputs, *parameters, *velocities),
-        derived_size=sum(c.derived_size + 7 * sizes[s] + 1 for s, c in structures.items())
+        derived_size=sum(c.derived_size + n_parameters(sizes[s]) for s, c in structures.items())
         + N_CONTACT_PARAMETERS
         + N_CONTACT_DERIVED,
         state_size=sum(c.state_size + N_STRUCTURE_INPUTS + N_STRUCTURE_OUTPUTS for c in structures.values())

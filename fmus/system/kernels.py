@@ -14,7 +14,7 @@ from ..contact.operating_point import move_operating_point
 from ..modal.kernels import do_step as structure_step
 from ..modal.kernels import initialise as structure_initialise
 from ..modal.kernels import tabulate
-from ..modal.layout import N_MOBILITIES
+from ..modal.layout import N_BLOCKS, N_MOBILITIES, N_STATES, N_TABLES
 from .layout import (
     CONTACT_OUT_TO_RAIL,
     CONTACT_OUT_TO_WHEEL,
@@ -88,13 +88,13 @@ def _parts(parameters, derived, state):  # type: ignore[no-untyped-def]
     """Return the arrays of wheel, rail and contact, which are pieces of the system's derived quantities and state."""
     n_wheel = int(parameters[P.wheel_modes])
     n_rail = int(parameters[P.rail_modes])
-    a = 7 * n_wheel + 1
-    b = a + 6 * n_wheel + N_MOBILITIES + 1
-    c = b + 7 * n_rail + 1
-    d = c + 6 * n_rail + N_MOBILITIES + 1
+    a = N_BLOCKS * n_wheel + 1
+    b = a + N_TABLES * n_wheel + N_MOBILITIES + 1
+    c = b + N_BLOCKS * n_rail + 1
+    d = c + N_TABLES * n_rail + N_MOBILITIES + 1
     e = d + N_CONTACT_PARAMETERS
-    s = 2 * n_wheel
-    t = s + 2 * n_rail
+    s = N_STATES * n_wheel
+    t = s + N_STATES * n_rail
     u = t + N_CONTACT_STATE
     v = u + N_STRUCTURE_INPUTS
     w = v + N_STRUCTURE_OUTPUTS

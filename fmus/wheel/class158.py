@@ -11,6 +11,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+from ..errors import DataError
 from ..modal.data import read_modal_data
 from .wheelset import DATA, Wheelset, read_wheelset
 
@@ -24,7 +25,7 @@ def class158() -> Wheelset:
 
     Raises
     ------
-    ValueError
+    DataError
         If the generic wheelset has other modes than when the amplitudes were identified.
     """
     return on_finite_elements(MODES, PRIOR)
@@ -35,12 +36,12 @@ def on_finite_elements(modes: Path, wheelset: Path) -> Wheelset:
 
     Raises
     ------
-    ValueError
+    DataError
         If the finite elements have other modes.
     """
     prior, data = read_wheelset(wheelset), read_modal_data(modes)
     if prior.modes.labels != data.modes.labels:
-        raise ValueError(f"{modes.name}: its modes are not those of {wheelset.name}; identify the amplitudes anew")
+        raise DataError(f"{modes.name}: its modes are not those of {wheelset.name}; identify the amplitudes anew")
     return replace(prior, modes=data.modes, title=data.title)
 
 

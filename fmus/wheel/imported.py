@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pyuff
 
+from ..errors import DataError
 from ..interface import DIRECTIONS
 from ..modal.data import read_modal_data
 from ..modal.modes import Modes
@@ -60,12 +61,12 @@ class UffAxes:
             if text == "none":
                 continue
             if text[:1] not in {"+", "-"} or text[1:] not in allowed:
-                raise ValueError(
+                raise DataError(
                     f"axes: {direction} = {text!r}; must be '+' or '-' and one of {', '.join(allowed)}, or 'none'"
                 )
             other = used.setdefault(text[1:], direction)
             if other != direction:
-                raise ValueError(f"axes: {other} and {direction} are both {text[1:]!r}; must differ")
+                raise DataError(f"axes: {other} and {direction} are both {text[1:]!r}; must differ")
 
     def column(self, direction: str) -> tuple[float, str] | None:
         """Return the sign and the name of the axis of a direction, or None."""
@@ -84,19 +85,19 @@ def read_modes(path: Path, axes: UffAxes | None = None) -> Modes:
 
     Raises
     ------
-    ValueError
+    DataError
         For another suffix, or what the reader of the format or `Modes` refuses.
     """
     suffix = path.suffix.lower()
     if suffix in {".uff", ".unv", ".uf"}:
         if axes is None:
-            raise ValueError(f"{path.name}: a UFF file needs the contact node and its axes")
+            raise DataError(f"{path.name}: a UFF file needs the contact node and its axes")
         return read_uff(path, axes)
     if suffix == ".csv":
         return read_csv(path)
     if suffix == ".toml":
         return _checked(path.name, read_modal_data(path).modes, DIRECTIONS)
-    raise ValueError(f"{path.name}: suffix {suffix!r} is unknown; must be .csv, .toml, .uff, .unv or .uf")
+    raise DataError(f"{path.name}: suffix {suffix!r} is unknown; must be .csv, .toml, .uff, .unv or .uf")
 
 
 def read_csv(path: Path) -> Modes:
@@ -104,20 +105,20 @@ def read_csv(path: Path) -> Modes:
 
     Raises
     ------
-    ValueError
+    DataError
         For a missing column, a value that is no number, and what every import refuses.
     """
     with path.open(encoding="utf-8", newline="") as file:
         reader = csv.DictReader(file)
         missing = [c for c in CSV_COLUMNS if c not in (reader.fieldnames or ())]
         if missing:
-            raise ValueError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
+            raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
         labels, rows = [], []
         for line, text in enumerate(reader, start=2):
             try:
                 rows.append([float(text[c]) for c in CSV_COLUMNS[1:]])
             except (TypeError, ValueError):
-                raise ValueError(f"{path.name}, line {line}: every column but label must be a number") from None
+                raise DataError(f"{path.name}, line {line}: every column but label must be a number") from None
             labels.append(text["label"])
     table = np.array(rows).reshape(-1, len(CSV_COLUMNS) - 1)
     return _make(path.name, table[:, 0], table[:, 1], table[:, 2:], labels, DIRECTIONS)
@@ -135,7 +136,7 @@ def read_uff(path: Path, axes: UffAxes) -> Modes:
     _check_units(path.name, [s for s in sets if s["type"] == _UNITS])
     modal = [s for s in sets if s["type"] == _NODAL_DATA]
     if not modal:
-        raise ValueError(f"{path.name}: there is no data set 55 in it")
+        raise DataError(f"{path.name}: there is no data set 55 in it")
     rows = [_uff_mode(f"{path.name}, mode {i}", data, axes) for i, data in enumerate(modal, start=1)]
     return _make(
         path.name,
@@ -156,17 +157,17 @@ def _uff_sets(path: Path) -> list[Mapping[str, Any]]:
         wanted = np.flatnonzero(np.isin(file.get_set_types(), (_NODAL_DATA, _UNITS)))
         return [file.read_sets(int(i)) for i in wanted]
     except Exception as error:  # pyuff raises bare Exception
-        raise ValueError(f"{path.name}: not a readable UFF file: {error}") from error
+        raise DataError(f"{path.name}: not a readable UFF file: {error}") from error
 
 
 def _check_units(name: str, sets: list[Mapping[str, Any]]) -> None:
     """Check that the file says that it is in SI."""
     if not sets:
-        raise ValueError(f"{name}: data set 164 (units) is missing; must say SI")
+        raise DataError(f"{name}: data set 164 (units) is missing; must say SI")
     for units in sets:
         factors = (units["length"], units["force"])
         if units["units_code"] != _SI or not np.allclose(factors, 1.0, rtol=1e-9, atol=0.0):
-            raise ValueError(
+            raise DataError(
                 f"{name}: units are code {units['units_code']} with {factors[0]:g} per metre and {factors[1]:g} per "
                 "newton; must be SI, code 1 with 1 and 1"
             )
@@ -175,14 +176,14 @@ def _check_units(name: str, sets: list[Mapping[str, Any]]) -> None:
 def _uff_mode(where: str, data: Mapping[str, Any], axes: UffAxes) -> list[float]:
     """Return the mass-normalised shape of one data set at the contact node."""
     if data["analysis_type"] != _NORMAL_MODE or np.iscomplexobj(data["r1"]):
-        raise ValueError(f"{where}: analysis type is {data['analysis_type']}; must be 2, a real normal mode")
+        raise DataError(f"{where}: analysis type is {data['analysis_type']}; must be 2, a real normal mode")
     if data["spec_data_type"] != _DISPLACEMENT:
-        raise ValueError(f"{where}: data type is {data['spec_data_type']}; must be 8, displacement")
+        raise DataError(f"{where}: data type is {data['spec_data_type']}; must be 8, displacement")
     if not data["modal_m"] > 0:
-        raise ValueError(f"{where}: modal mass is {data['modal_m']:g}; must be > 0")
+        raise DataError(f"{where}: modal mass is {data['modal_m']:g}; must be > 0")
     place = np.flatnonzero(np.asarray(data["node_nums"]) == axes.node)
     if not place.size:
-        raise ValueError(f"{where}: node {axes.node} is not in it")
+        raise DataError(f"{where}: node {axes.node} is not in it")
     shape = []
     for direction in DIRECTIONS:
         column = axes.column(direction)
@@ -192,7 +193,7 @@ def _uff_mode(where: str, data: Mapping[str, Any], axes: UffAxes) -> list[float]
         sign, axis = column
         values = data.get(f"r{_UFF_AXES.index(axis) + 1}")
         if values is None:
-            raise ValueError(f"{where}: direction {direction} is missing: the data have no {axis!r}")
+            raise DataError(f"{where}: direction {direction} is missing: the data have no {axis!r}")
         shape.append(sign * float(values[place[0]]) / math.sqrt(data["modal_m"]))
     return shape
 
@@ -202,11 +203,11 @@ def _make(
 ) -> Modes:
     """Return checked modes; errors name the file."""
     if not len(labels):
-        raise ValueError(f"{name}: there are no modes in it")
+        raise DataError(f"{name}: there are no modes in it")
     try:
         modes = Modes(2 * np.pi * frequency_hz, damping_ratio, shape, tuple(labels))
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+        raise DataError(f"{name}: {error}") from None
     return _checked(name, modes, wanted)
 
 
@@ -215,8 +216,8 @@ def _checked(name: str, modes: Modes, wanted: tuple[str, ...]) -> Modes:
     falls = np.flatnonzero(np.diff(modes.omega) < 0)
     if falls.size:
         first, second = modes.omega[falls[0] : falls[0] + 2] / (2 * np.pi)
-        raise ValueError(f"{name}: mode {falls[0] + 2} has {second:g} Hz after {first:g} Hz; must be in rising order")
+        raise DataError(f"{name}: mode {falls[0] + 2} has {second:g} Hz after {first:g} Hz; must be in rising order")
     for j, direction in enumerate(DIRECTIONS):
         if direction in wanted and not modes.shape[:, j].any():
-            raise ValueError(f"{name}: direction {direction} is missing: no mode moves in it")
+            raise DataError(f"{name}: direction {direction} is missing: no mode moves in it")
     return modes

@@ -21,7 +21,7 @@ def inferred() -> Wheelset:
 
     Raises
     ------
-    ValueError
+    DataError
         If the generic wheelset has other modes than when the wheelset was identified.
     """
     return on_finite_elements(MODES, PRIOR)

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import DataError
 from ..modal.modes import Modes
 
 DATA = Path(__file__).parent / "data"
@@ -56,7 +57,7 @@ def read_wheelset(path: Path) -> Wheelset:
 
     Raises
     ------
-    ValueError
+    DataError
         For a missing column, a value that is no number, or an imposed frequency whose mode is not in the table.
     """
     settings = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -108,13 +109,13 @@ def _read_table(path: Path) -> list[dict[str, Any]]:
         reader = csv.DictReader(file)
         missing = set(COLUMNS) - set(reader.fieldnames or ())
         if missing:
-            raise ValueError(f"{path.name}: column {sorted(missing)[0]!r} is missing")
+            raise DataError(f"{path.name}: column {sorted(missing)[0]!r} is missing")
         rows: list[dict[str, Any]] = []
         for line, text in enumerate(reader, start=2):
             try:
                 row: dict[str, Any] = {c: float(text[c]) for c in COLUMNS if c != "symmetry"}
             except (TypeError, ValueError) as error:
-                raise ValueError(f"{path.name}, line {line}: {error}") from None
+                raise DataError(f"{path.name}, line {line}: {error}") from None
             rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"], "label": text.get("label") or ""})
     return rows
 
@@ -140,4 +141,4 @@ def _impose(rows: list[dict[str, Any]], settings: dict[str, Any], path: Path) ->
             row.update(frequency_hz=found["frequency_hz"], label=found["label"])
     if imposed:
         n, symmetry, number = next(iter(imposed))
-        raise ValueError(f"{path.name}: no mode n = {n}, {symmetry}, number {number} to impose a frequency on")
+        raise DataError(f"{path.name}: no mode n = {n}, {symmetry}, number {number} to impose a frequency on")

@@ -11,6 +11,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from fmus.errors import DataError
+
 from ..errors import InputError
 from ..fmi.instance import Value
 
@@ -32,7 +34,7 @@ def user_mistakes() -> Iterator[None]:
     """Turn what the components and the file system refuse into an error of the user's input."""
     try:
         yield
-    except ValueError as error:
+    except DataError as error:
         raise InputError(str(error)) from None
     except OSError as error:
         raise InputError(f"{error.filename}: {error.strerror or error}") from None

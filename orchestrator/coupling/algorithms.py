@@ -72,7 +72,7 @@ def independent_first(coupling: Coupling) -> Stages:
     if loop:
         raise InputError(
             f"algebraic loop: the outputs of {', '.join(loop)} depend on each other within a step; "
-            "use --algorithm iterative or jacobi"
+            "use the algorithm iterative or jacobi"
         )
     return order
 

@@ -32,7 +32,7 @@ def contact_mobility(assembly: Assembly, step: float, timeout: float | None = No
     total = np.zeros((4, 4))
     structures = {bond.force.wire.end_element for bond in assembly.bonds}
     for name in sorted(structures):
-        bonds = {b.direction: b for b in assembly.bonds if b.force.wire.end_element == name}
+        bonds = bonds_of(assembly, name)
         fmu = assembly.fmus[name]
         own_step = step * period(fmu, step)
         parameters = with_step(fmu, assembly.parameters[name], own_step)
@@ -42,6 +42,11 @@ def contact_mobility(assembly: Assembly, step: float, timeout: float | None = No
         total += published
     index = {d: i for i, d in enumerate(DIRECTIONS)}
     return {f"mobility_{row}_{column}": float(total[index[row], index[column]]) for row, column in PAIRS}
+
+
+def bonds_of(assembly: Assembly, name: str) -> dict[str, Bond]:
+    """Return the power bonds of a structure by direction."""
+    return {b.direction: b for b in assembly.bonds if b.force.wire.end_element == name}
 
 
 def power_pairs(bonds: Mapping[str, Bond]) -> dict[str, PowerPair]:

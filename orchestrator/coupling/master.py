@@ -114,7 +114,7 @@ class Master:
             if why is not None:
                 raise InputError(
                     f"{self.settings.algorithm}: {name} ({fmu.path.name}) {why}, so a step cannot be repeated; "
-                    "use --algorithm staggered"
+                    "use the algorithm staggered"
                 )
 
     def _all_parameters(self) -> dict[str, dict[str, Value]]:

@@ -6,13 +6,12 @@ The outputs are fetched at every step, because the coupling needs them; these on
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fnmatch import fnmatchcase
 
 from numba import njit
 
 from ..errors import InputError
 from ..fmi.file import Fmu
-from ..results.columns import MODAL_VELOCITIES
+from ..results.columns import MODAL_VELOCITIES, matches
 from . import loop
 
 _DOUBLE = ("Real", "Float64")
@@ -34,13 +33,13 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].fmi_type in _DOUBLE]
     outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output")]
     for pattern in wanted or ():
-        if not any(fnmatchcase(f"{c}.{v}", pattern) for c, v in local + outputs):
+        if not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
             raise InputError(
-                f"--record {pattern}: matches no output and no real local variable; "
+                f"record {pattern}: matches no output and no real local variable; "
                 f"a pattern looks like {MODAL_VELOCITIES}"
             )
     chosen = (MODAL_VELOCITIES,) if wanted is None else wanted
-    return [(c, v) for c, v in local if any(fnmatchcase(f"{c}.{v}", pattern) for pattern in chosen)]
+    return [(c, v) for c, v in local if any(matches(f"{c}.{v}", pattern) for pattern in chosen)]
 
 
 def patterns(texts: Sequence[str] | None) -> tuple[str, ...] | None:

@@ -16,7 +16,7 @@ from fmus.contact.linearised import LinearContact
 from fmus.modal.modes import Modes
 
 from ..stability.loop import Mobility
-from ..stability.poles import closed_loop_poles
+from ..stability.poles import exact_poles
 
 Real = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class GrowthLimits:
         wheel = replace(self.wheel, shape=shape)
         out = []
         for limit in self.limits:
-            poles = closed_loop_poles(wheel, self.rails[limit.case - 1], self.contacts[limit.case - 1])
+            poles = exact_poles(wheel, self.rails[limit.case - 1], self.contacts[limit.case - 1])
             there = (poles.frequency_hz > limit.low_hz) & (poles.frequency_hz < limit.high_hz)
             top = float(poles.growth_rate[there].max(initial=0.0))
             bound = min(max(top, limit.least), limit.most)

@@ -21,7 +21,7 @@ from fmus.wheel.wheelset import Wheelset
 
 from ..published.table4 import CELL_MODES
 from ..stability.loop import Mobility, linear_contact
-from ..stability.poles import Poles, closed_loop_poles
+from ..stability.poles import Poles, exact_poles
 from .fit import FREE_MODES, RIGID
 from .free import FreeWheel, PrintedLaw, printed_law
 from .lateral_model import lateral_and_normal, lateral_locus, window
@@ -160,7 +160,7 @@ class InferredModel:
         shape = np.zeros((int(low.sum()), 4))
         shape[:, 1:3] = every.shape[:, low].T
         none = Modes(np.zeros(0), np.zeros(0), np.zeros((0, 4)))
-        return closed_loop_poles(Modes(every.omega[low], every.zeta[low], shape), none, law)
+        return exact_poles(Modes(every.omega[low], every.zeta[low], shape), none, law)
 
 
 def inferred_model(wheelset: Wheelset, rail: Mobility, stiffness: float) -> InferredModel:

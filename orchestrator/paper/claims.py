@@ -15,7 +15,7 @@ from ..published.table4 import CELL_MODES, read_paper_table
 from ..stability.analysis import REPORTED_BELOW_HZ, Stability, without_normal_motion
 from ..stability.cases import find_rail, find_wheel
 from ..stability.loop import linear_contact
-from ..stability.poles import closed_loop_poles
+from ..stability.poles import exact_poles
 from .page import Item, Row
 from .table4 import Table4
 
@@ -66,7 +66,7 @@ def stable_without_normal_motion(mode: str) -> bool:
     wheel, rail = find_wheel("class158"), find_rail("modal")
     law = linear_contact({"falling_ratio": 0.0, **wheel.contact})
     changed = without_normal_motion(_known(wheel.modes), mode, law)
-    poles = closed_loop_poles(changed, _known(rail.modes), law).unstable()
+    poles = exact_poles(changed, _known(rail.modes), law).unstable()
     natural = read_paper_table().natural_frequency_hz[CELL_MODES.index(mode)]
     return not (np.abs(poles.frequency_hz / natural - 1) < _NEAR).any()
 
@@ -77,7 +77,7 @@ def straight_web_instabilities(contact_angle_deg: float, hertz_stiffness: float)
     law = linear_contact({
         "falling_ratio": 0.0, "contact_angle": float(np.radians(contact_angle_deg)), "hertz_stiffness": hertz_stiffness,
     })  # fmt: skip
-    poles = closed_loop_poles(wheel, _known(rail.modes), law).unstable().below(REPORTED_BELOW_HZ)
+    poles = exact_poles(wheel, _known(rail.modes), law).unstable().below(REPORTED_BELOW_HZ)
     return int(poles.frequency_hz.size)
 
 

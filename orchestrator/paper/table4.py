@@ -134,7 +134,7 @@ def find_table4(rail: str | None = None, wheel: str | None = None, cases_of: str
         For an unknown family, wheel or rail.
     """
     if cases_of not in FAMILIES:
-        raise InputError(f"--cases {cases_of}: must be {' or '.join(FAMILIES)}")
+        raise InputError(f"cases {cases_of}: must be {' or '.join(FAMILIES)}")
     cases = sorted((c for c in read_cases() if c.family == FAMILIES[cases_of]), key=lambda case: case.name)
     the_wheel, the_rail = find_wheel(wheel or WHEELS[cases[0].wheel]), find_rail(rail or "analytic")
     return compare({n: analyse(*case_inputs(case, the_wheel, the_rail)) for n, case in enumerate(cases, start=1)})

@@ -15,6 +15,7 @@ from ..published.cases import CASES, PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..sound.levels import Sound, sound_of
+from ..stability.analysis import REPORTED_BELOW_HZ
 from ..stability.linear_model import model_of
 from .page import Item, Row
 
@@ -78,9 +79,9 @@ def facts_of(data: xr.Dataset) -> Facts:
     return Facts(
         title=str(data.attrs.get("title", data.attrs.get("case", ""))),
         cycle=limit_cycle(data),
-        growth=() if model is None else growth_of(data, model.poles()),
+        growth=growth_of(data, model.poles),
         sound=sound_of(data),
-        gains={} if model is None else model.loop_gains(),
+        gains=model.loop_gains(REPORTED_BELOW_HZ),
     )
 
 

@@ -77,14 +77,14 @@ def read_mapping(texts: Sequence[str], fmu: Fmu) -> dict[str, Signal]:
             continue
         match = re.fullmatch(r"(\w+)=(-?)(?:([\d.]+(?:[eE][-+]?\d+)?)\*)?(\S+)", text)
         if match is None:
-            raise InputError(f"--mapping {text}: must be NAME=VARIABLE or NAME=FACTOR*VARIABLE, such as v_lat=-vy")
+            raise InputError(f"mapping {text}: must be NAME=VARIABLE or NAME=FACTOR*VARIABLE, such as v_lat=-vy")
         name, minus, factor, variable = match.groups()
         if name not in PORTS:
-            raise InputError(f"--mapping {text}: the rail's contract has no {name!r}; it has {', '.join(PORTS)}")
+            raise InputError(f"mapping {text}: the rail's contract has no {name!r}; it has {', '.join(PORTS)}")
         mapping[name] = Signal(variable, float(factor or 1.0) * (-1.0 if minus else 1.0))
     for name, signal in mapping.items():
         if signal.factor == 0:
-            raise InputError(f"--mapping {name}: the factor is 0; must not be")
+            raise InputError(f"mapping {name}: the factor is 0; must not be")
     return mapping
 
 

@@ -76,7 +76,7 @@ def check_rail(path: Path, mapping_texts: Sequence[str] = (), step: float = DEFA
         If the file is no FMU that runs here, or the mapping or the step make no sense.
     """
     if not 1e-9 <= step <= 1e-2:
-        raise InputError(f"--step {step:g}: must be from 1e-9 to 1e-2 s")
+        raise InputError(f"step {step:g}: must be from 1e-9 to 1e-2 s")
     fmu = open_fmu(path)
     mapping = read_mapping(mapping_texts, fmu)
     declared, factors = check_declaration(fmu, mapping)

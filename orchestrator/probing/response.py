@@ -21,12 +21,13 @@ from fmus.interface import DIRECTIONS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, FmuInstance, Value
-from .mobility import with_step
+from .mobility import PowerPair, with_step
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-VELOCITIES = [f"v_{d}" for d in DIRECTIONS]
+CONTRACT = {d: PowerPair(f"f_{d}", f"v_{d}") for d in DIRECTIONS}
+"""The names of the contract."""
 
 RECORD_STEPS = 1000
 """Steps that are recorded one by one; at 5 us, 5 ms. Shorter, slow parts of the tail drown in fast ones."""
@@ -103,24 +104,37 @@ class Response:
         return pole.imag / (2 * np.pi), -pole.real / np.abs(pole)
 
 
-def measure(fmu: Fmu, parameters: Mapping[str, Value], step: float) -> Response:
+def measure(
+    fmu: Fmu, parameters: Mapping[str, Value], step: float, pairs: Mapping[str, PowerPair] | None = None
+) -> Response:
     """Return the response of a structure's FMU, direction by direction.
+
+    Parameters
+    ----------
+    pairs : its forces and velocities by direction, default: those of the contract; a direction that is not there does
+        not move
 
     Raises
     ------
     InputError
-        If the FMU has not the forces and velocities of the contract.
+        If the FMU has not the forces and velocities.
     """
-    missing = [name for name in (*VELOCITIES, *(f"f_{d}" for d in DIRECTIONS)) if name not in fmu.variables]
+    pairs = CONTRACT if pairs is None else pairs
+    wanted = (*(p.velocity for p in pairs.values()), *(p.force for p in pairs.values()))
+    missing = [name for name in wanted if name not in fmu.variables]
     if missing:
         raise InputError(f"{fmu.path}: has no variable {missing[0]!r}, so its mobility cannot be measured")
     every = max(1, int(1 / (2 * TAIL_HZ * step)))
-    columns = [_column(fmu, with_step(fmu, parameters, step), step, every, direction) for direction in DIRECTIONS]
+    parameters = with_step(fmu, parameters, step)
+    still = np.zeros((RECORD_STEPS + TAIL_SAMPLES, 4))
+    columns = [_column(fmu, parameters, step, every, pairs, d) if d in pairs else still for d in DIRECTIONS]
     velocity = np.stack(columns, axis=2)
     return Response(step, velocity[:RECORD_STEPS], exponentials(velocity[RECORD_STEPS:], every, STRIDE))
 
 
-def _column(fmu: Fmu, parameters: Mapping[str, Value], step: float, every: int, direction: str) -> Real:
+def _column(
+    fmu: Fmu, parameters: Mapping[str, Value], step: float, every: int, pairs: Mapping[str, PowerPair], direction: str
+) -> Real:
     """Return the velocities after a force in one direction: each step of the record, then the samples of the tail.
 
     An FMU that takes any communication step gets one long one between samples; others are stepped through.
@@ -128,21 +142,26 @@ def _column(fmu: Fmu, parameters: Mapping[str, Value], step: float, every: int, 
     long = bool(fmu.description.coSimulation.canHandleVariableCommunicationStepSize)
     lengths = [[step]] * (RECORD_STEPS + 1)
     lengths += [[every * step] if long else [step] * every] * (TAIL_SAMPLES - 1)
-    velocity = np.empty((len(lengths), 4))
+    names = [pair.velocity for pair in pairs.values()]
+    places = [DIRECTIONS.index(d) for d in pairs]
+    gains = np.array([pair.velocity_gain for pair in pairs.values()])
+    forced = pairs[direction]
+    velocity = np.zeros((len(lengths), 4))
     instance = FmuInstance(fmu, f"probe_{direction}")
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, (RECORD_STEPS + every * TAIL_SAMPLES) * step)
         instance.exit_initialization_mode()
-        instance.set({f"f_{direction}": 1.0})
+        instance.set({pair.force: pair.force_offset for pair in pairs.values()})
+        instance.set({forced.force: forced.force_gain + forced.force_offset})
         time = 0.0
         for k, pieces in enumerate(lengths):
             for length in pieces:
                 instance.do_step(time, length)
                 time += length
-            velocity[k] = instance.get_real(VELOCITIES)
+            velocity[k, places] = gains * instance.get_real(names)
             if k == 0:
-                instance.set({f"f_{direction}": 0.0})
+                instance.set({forced.force: forced.force_offset})
     finally:
         instance.close()
     return velocity

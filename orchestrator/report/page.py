@@ -18,8 +18,8 @@ from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.summary import sample_interval
 from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
-from ..stability.linear_model import RunModel, model_of
-from ..stability.step_map import scheme_error
+from ..stability.linear_model import LinearModel, model_of
+from ..stability.scheme import growth_of_scheme
 from . import plots
 from .plots import Plot
 
@@ -148,7 +148,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         raise InputError(f"{path}: holds no wheel.v_lat, so it is not a run of the wheel/rail system")
     if data.sizes["time"] < _LEAST_ROWS:
         raise InputError(f"{path}: has {data.sizes['time']} rows; a report needs at least {_LEAST_ROWS}")
-    model, cycle = model_of(data), limit_cycle(data)
+    (model, unknown), cycle = _model(data), limit_cycle(data)
     sound, silence = _sound(data)
     return Section(
         key=key,
@@ -157,12 +157,12 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         attributes=dict(data.attrs),
         duration=data.sizes["time"] * sample_interval(data),
         cycle=cycle,
-        growth=() if model is None else growth_of(data, model.poles()),
+        growth=() if model is None else growth_of(data, model.poles),
         sound=sound,
         silence=silence,
         audio=_audio(data) if sound is not None and cycle.squeals else None,
         residual={str(n).rpartition(".")[2]: float(data[n][-1]) for n in data.data_vars if "energy_residual" in str(n)},
-        spurious=_spurious(data, model),
+        spurious=_spurious(data, model, unknown),
         plots=_plots(data, model, sound),
     )
 
@@ -182,20 +182,26 @@ def _audio(data: xr.Dataset) -> str | None:
         return None
 
 
-def _spurious(data: xr.Dataset, model: RunModel | None) -> str | None:
-    """Return in words what the scheme adds to the growth of the modes below 5 kHz."""
+def _model(data: xr.Dataset) -> tuple[LinearModel | None, str]:
+    """Return the linear model of a run, or the sentence that says why there is none."""
+    try:
+        return model_of(data), ""
+    except InputError as reason:
+        return None, str(reason)
+
+
+def _spurious(data: xr.Dataset, model: LinearModel | None, unknown: str) -> str | None:
+    """Return in words what the scheme adds to the growth of the modes below 5 kHz, or why that is not known."""
     algorithm = str(data.attrs.get("algorithm"))
-    if model is None or algorithm not in _ALGORITHMS:
+    if algorithm not in _ALGORITHMS:
         return None
-    error = scheme_error(model.wheel, model.rail, model.contact, float(data.attrs["step_s"]), algorithm)
-    worst = int(abs(error.error).argmax())
-    return (
-        f"at most {error.error[worst]:+.3g} 1/s (the mode at {error.frequency_hz[worst]:.0f} Hz, pole "
-        f"{error.exact[worst]:.3g} 1/s); {error.invented} stable modes made unstable"
-    )
+    if model is None:
+        return f"not known: {unknown}"
+    step = float(data.attrs["step_s"])
+    return growth_of_scheme(model, step, algorithm).sentence(algorithm, step)
 
 
-def _plots(data: xr.Dataset, model: RunModel | None, sound: Sound | None) -> list[Plot]:
+def _plots(data: xr.Dataset, model: LinearModel | None, sound: Sound | None) -> list[Plot]:
     """Return the figures that the results allow."""
     directions = [d for d in ("lat", "ver") if f"wheel.v_{d}" in data]
     found = [plots.history(data, d) for d in directions]
@@ -206,7 +212,7 @@ def _plots(data: xr.Dataset, model: RunModel | None, sound: Sound | None) -> lis
     if model is not None:
         loci, crossings = model.open_loop()
         found += [plots.nyquist(loci, crossings), plots.bode(loci, crossings)]
-        found.append(plots.receptances(model.wheel, model.rail))
+        found.append(plots.receptances(*model.modal()))
     return found
 
 

@@ -1,21 +1,19 @@
-"""Names of columns of a results file: what a component has recorded."""
+"""Names of columns of a results file: what is recorded of a component, and how a pattern chooses it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from typing import Any
 
 from fmus.interface import MODAL_VELOCITY
 
-MODAL_VELOCITIES = f"wheel.{MODAL_VELOCITY}_*"
-"""What is recorded unless something else is asked for: the sound of the wheel is made of these."""
+MODAL_VELOCITIES = f"wheel.{MODAL_VELOCITY}*"
+"""What is recorded unless something else is asked for, in either spelling: the sound of the wheel is made of these."""
 
 
-def columns(component: str, variables: Sequence[Any]) -> list[str]:
-    """Return the names of a component's modal velocities among the variables of a results file, in order.
+def matches(name: str, pattern: str) -> bool:
+    """Return whether a name is the one that is asked for, or fits the pattern.
 
-    >>> columns("wheel", ["wheel.v_lat", "wheel.modal_velocity_001"])
-    ['wheel.modal_velocity_001']
+    >>> matches("rail.v_lat", "rail.*"), matches("rail.modal_velocity[1]", "rail.modal_velocity[1]")
+    (True, True)
     """
-    return sorted(str(name) for name in variables if fnmatchcase(str(name), f"{component}.{MODAL_VELOCITY}_*"))
+    return name == pattern or fnmatchcase(name, pattern)

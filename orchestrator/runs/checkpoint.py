@@ -81,7 +81,7 @@ def check_serialisable(assembly: Assembly) -> None:
     """Raise InputError if the state of an FMU cannot be kept."""
     for name, fmu in assembly.fmus.items():
         if not fmu.can_serialise:
-            raise InputError(f"--checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
+            raise InputError(f"checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
 
 
 def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: ResultsFile) -> None:
@@ -115,7 +115,7 @@ def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: Re
             os.fsync(file.fileno())
         partial.replace(path)
     except OSError as error:
-        raise InputError(f"--checkpoint {path}: cannot be written: {error.strerror or error}") from None
+        raise InputError(f"checkpoint {path}: cannot be written: {error.strerror or error}") from None
 
 
 def _absolute(scenario: Scenario) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from fmus.interface import INITIAL_VELOCITY
+from fmus.modal.parameters import names_of
 
 from ..coupling.assembly import Assembly
 from ..coupling.master import Master
@@ -98,12 +99,12 @@ def plan(system: str, runs: int, seed: int, starts: Sequence[float], stiffness: 
         For fewer than one run, or a stiffness that is not above zero.
     """
     if runs < 1:
-        raise InputError(f"--runs {runs}: must be at least 1")
+        raise InputError(f"runs {runs}: must be at least 1")
     if seed < 0:
-        raise InputError(f"--seed {seed}: must be >= 0")
+        raise InputError(f"seed {seed}: must be >= 0")
     for value in stiffness:
         if not 0 < value < np.inf:
-            raise InputError(f"--stiffness {value:g}: must be > 0, such as 1.2e9 N/m")
+            raise InputError(f"stiffness {value:g}: must be > 0, such as 1.2e9 N/m")
     springs: list[float | None] = [*stiffness] or [None]
     modes: list[float | None] = [*starts] or [None]
     return [Trial(system, s, mode, spring) for spring, mode, s in product(springs, modes, range(seed, seed + runs))]
@@ -155,17 +156,20 @@ def mode_start(wheel: Fmu, parameters: Mapping[str, object], frequency_hz: float
         given = parameters.get(name, wheel.variables[name].start)
         return float(str(given))
 
-    numbers = [name.removeprefix("frequency_") for name in wheel.names("parameter") if name.startswith("frequency_")]
-    lateral = {n: abs(value(f"shape_lat_{n}")) for n in numbers if f"shape_lat_{n}" in wheel.variables}
-    near = {n: a for n, a in lateral.items() if a > 0 and abs(value(f"frequency_{n}") / frequency_hz - 1) < _NEAR}
+    shown = wheel.names("parameter")
+    frequency, shape, start = (names_of(block, shown) for block in ("frequency", "shape_lat", INITIAL_VELOCITY))
+    if not frequency.keys() <= shape.keys() & start.keys() or not frequency:
+        raise InputError(f"start-mode {frequency_hz:g}: the wheel shows no modes, so there is none to start on")
+    lateral = {n: abs(value(shape[n])) for n in frequency}
+    near = {n: a for n, a in lateral.items() if a > 0 and abs(value(frequency[n]) / frequency_hz - 1) < _NEAR}
     if not near:
-        audible = sorted(value(f"frequency_{n}") for n, a in lateral.items() if a > 0.3 * max(lateral.values()))
+        audible = sorted(value(frequency[n]) for n, a in lateral.items() if a > 0.3 * max(lateral.values()))
         raise InputError(
-            f"--start-mode {frequency_hz:g}: the wheel has no lateral mode within 2 % of {frequency_hz:g} Hz; "
+            f"start-mode {frequency_hz:g}: the wheel has no lateral mode within 2 % of {frequency_hz:g} Hz; "
             f"its strong ones are at {', '.join(f'{f:.0f}' for f in audible[:12])} Hz"
         )
     chosen = max(near, key=lambda n: near[n])
-    return {f"{INITIAL_VELOCITY}_{chosen}": START_VELOCITY / near[chosen]}
+    return {start[chosen]: START_VELOCITY / near[chosen]}
 
 
 def _checksums(assembly: Assembly) -> str:
@@ -253,7 +257,7 @@ def read_endings(path: Path) -> list[Ending]:
             fields = json.loads(line)
             endings.append(Ending(**{**fields, "trial": Trial(**fields["trial"])}))
         except (ValueError, TypeError, KeyError):
-            raise InputError(f"{path}, line {number}: is no trial of a competition; give another --out") from None
+            raise InputError(f"{path}, line {number}: is no trial of a competition; give another folder") from None
     if lines[-1]:
         path.write_text("".join(f"{line}\n" for line in lines[:-1]), encoding="utf-8")
     return endings

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fmus.interface import INITIAL_VELOCITY, PULSE_FORCE
+from fmus.modal.parameters import names_of
 
 from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.master import Settings
@@ -52,12 +53,12 @@ class Scenario:
         system = find_system(self.system)
         step = self.step if self.step is not None else system.step_size
         if step is None:
-            raise InputError(f"{self.system}: says no step size; give --step")
+            raise InputError(f"{self.system}: says no step size; give a step size")
         duration = self.duration
         if duration is None:
             duration = system.stop - system.start if system.stop is not None else None
         if duration is None:
-            raise InputError(f"{self.system}: says no stop time; give --duration")
+            raise InputError(f"{self.system}: says no stop time; give a duration")
         algorithm = self.algorithm or system.algorithm or "staggered"
         settings = Settings(step, duration, algorithm, self.record_every, self.record, self.timeout)
         system = system.with_sources(dict(self.sources))
@@ -77,9 +78,8 @@ def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Valu
     values: dict[str, dict[str, Value]] = {}
     for name, fmu in fmus.items():
         own: dict[str, Value] = {}
-        for variable in fmu.names("parameter"):
-            if variable.startswith(INITIAL_VELOCITY):
-                own[variable] = float(RANDOM_START * random.standard_normal())
+        for variable in names_of(INITIAL_VELOCITY, fmu.names("parameter")).values():
+            own[variable] = float(RANDOM_START * random.standard_normal())
         if PULSE_FORCE in fmu.variables:
             own[PULSE_FORCE] = 0.0
         if own:

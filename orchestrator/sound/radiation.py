@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
-from ..results.columns import columns
 from ..signals.spectra import narrow_band
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -154,7 +154,7 @@ def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
     """
     import xarray as xr  # noqa: PLC0415
 
-    names = columns("wheel", list(data.data_vars))
+    names = modal_velocities("wheel", data.data_vars)
     return xr.concat([narrow_band(data[name].rename("modal_velocity"), resolution_hz) for name in names], dim="mode")
 
 

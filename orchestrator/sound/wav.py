@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.signal import resample_poly
 
+from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
-from ..results.columns import columns
 from ..signals.spectra import sample_interval_of, total
 from .levels import REFERENCE_PRESSURE
 from .radiation import Radiation, modal_spectra, power_per_velocity, sound_power
@@ -74,7 +74,7 @@ def pressure_of(data: xr.Dataset, wheel: str | None = None, radiation: Radiation
         too low a rate for the wheel's modes, or do not vibrate.
     """
     wheelset, how = wheelset_of(data, wheel), radiation or Radiation()
-    names = columns("wheel", list(data.data_vars))
+    names = modal_velocities("wheel", data.data_vars)
     interval = sample_interval_of(data[names[0]])
     _require(data, wheelset, interval)
     sum_of_modes = _filtered_sum(data, names, wheelset, how, interval)
@@ -103,7 +103,7 @@ def _require(data: xr.Dataset, wheelset: Wheelset, interval: float) -> None:
         needed = int(0.5 / (highest * float(data.attrs.get("step_s", interval))))
         raise InputError(
             f"{_name(data)}: recorded at {1 / interval:.0f} Hz, too slow for modes up to {highest:.0f} Hz; "
-            f"run again with --record-every {max(needed, 1)} or less"
+            f"run again with record-every {max(needed, 1)} or less"
         )
 
 

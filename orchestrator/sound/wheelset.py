@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.modal.parameters import block_of, modal_velocities
 from fmus.wheel.class158 import class158
 from fmus.wheel.inferred import inferred
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
 from ..errors import InputError
-from ..results.columns import MODAL_VELOCITIES, columns
+from ..results.columns import MODAL_VELOCITIES
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -40,16 +41,16 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
     InputError
         If no wheelset fits.
     """
-    count = len(columns("wheel", list(data.data_vars)))
+    count = len(modal_velocities("wheel", data.data_vars))
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again with --record '{MODAL_VELOCITIES}'"
+            f"run again and record '{MODAL_VELOCITIES}'"
         )
     if wheel is not None:
         chosen = _named(wheel)
         if len(chosen.modes) != count:
-            raise InputError(f"--wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
+            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return _as_run(chosen, data)
     frequency, shape = block(data, "wheel", "frequency"), block(data, "wheel", "shape_lat")
     fitting = [
@@ -63,7 +64,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
         return _as_run(nearest, data)
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "give --wheel NAME or FILE.toml"
+        "name a wheel, or give its file"
     )
 
 
@@ -87,13 +88,13 @@ def _named(wheel: str) -> Wheelset:
     try:
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"--wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
+        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
 def block(data: xr.Dataset, structure: str, name: str) -> Real:
     """Return a parameter of all modes of a structure, such as 'frequency'; empty if the results do not tell it."""
     values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get(structure, {})
-    return np.array([values[key] for key in sorted(values) if key.startswith(f"{name}_")], dtype=float)
+    return block_of(name, values)
 
 
 def _source(data: xr.Dataset) -> str:

@@ -14,7 +14,7 @@ from fmus.modal.modes import Modes
 
 from .eigenloci import Crossing, Eigenloci, clockwise_crossings, crossings, eigenloci, encirclements, frequency_grid
 from .loop import Loop, Mobility, of_modes
-from .poles import Poles, closed_loop_poles
+from .poles import Poles, exact_poles
 
 Real = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def analyse(structures: Structures, contact: LinearContact) -> Stability:
     modes = structures.wheel_modes
     poles = None
     if modes is not None and structures.rail_modes is not None:
-        poles = closed_loop_poles(modes, structures.rail_modes, contact)
+        poles = exact_poles(modes, structures.rail_modes, contact)
     instabilities = tuple(
         Instability(c, () if modes is None else involved(modes, structures.rail, contact, c)) for c in found
     )

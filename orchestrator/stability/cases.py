@@ -75,11 +75,11 @@ def find_wheel(text: str) -> Wheel:
         return Wheel(remembered(response.mobility), None, response.resonances(), {})
     own = WHEEL_DATA / f"{text}.toml"
     if not own.is_file() and not path.is_file():
-        raise InputError(f"--wheel {text}: neither {', '.join(wheel_names())} nor a .toml or .fmu file")
+        raise InputError(f"wheel {text}: neither {', '.join(wheel_names())} nor a .toml or .fmu file")
     try:
         modes = _wheel_modes(own if own.is_file() else path)
     except (ValueError, KeyError, OSError) as error:
-        raise InputError(f"--wheel {text}: {error}") from None
+        raise InputError(f"wheel {text}: {error}") from None
     contact = {"hertz_stiffness": ROUND_BODIES} if own.is_file() else {}
     return Wheel(remembered(of_modes(modes)), modes, None, contact)
 
@@ -107,7 +107,7 @@ def find_rail(text: str) -> Rail:
     if text == "rigid":
         return Rail(rigid, NONE)
     if Path(text).suffix != ".fmu":
-        raise InputError(f"--rail {text}: must be analytic, modal or an .fmu file")
+        raise InputError(f"rail {text}: must be analytic, modal or an .fmu file")
     return Rail(remembered(measure(open_fmu(Path(text)), {}, DEFAULT_STEP).mobility), None)
 
 
@@ -186,5 +186,5 @@ def find_stability(case: str, rail: str | None = None, wheel: str | None = None)
     if known is None:
         return analyse(*system_inputs(case, wheel, rail))
     if known.rail == RIGID_RAIL and rail not in {None, "analytic", "modal"}:
-        raise InputError(f"--rail {rail}: {case} has a rigid rail; take {known.family}1 or {known.family}3")
+        raise InputError(f"rail {rail}: {case} has a rigid rail; take {known.family}1 or {known.family}3")
     return analyse(*case_inputs(known, find_wheel(wheel or WHEELS[known.wheel]), find_rail(rail or "analytic")))

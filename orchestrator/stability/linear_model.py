@@ -1,92 +1,207 @@
-"""The linear model that a run belongs to: a results file in, modes of wheel and rail and the linearised contact out."""
+"""A wheel on a rail, linear: an assembled system or a results file in, structures, contact and poles out.
+
+Structures that show their modes are taken at their word. One that does not is identified from its response, driven by
+hand; it is never taken for rigid.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmus.contact.linearised import LinearContact
-from fmus.interface import DIRECTIONS
+from fmus.contact.linearised import STEP, LinearContact
+from fmus.contact.parameters import PARAMETERS
+from fmus.errors import DataError
+from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES, connections
 from fmus.modal.modes import Modes
+from fmus.modal.parameters import modes_of
 
-from .analysis import REPORTED_BELOW_HZ
+from ..coupling.assembly import Assembly
+from ..coupling.contact_mobility import bonds_of, power_pairs
+from ..coupling.rates import period
+from ..errors import InputError
 from .eigenloci import Crossing, Eigenloci, crossings, eigenloci, frequency_grid
+from .identified import identify
 from .loop import Loop, linear_contact, of_modes, remembered
-from .poles import Poles, closed_loop_poles
+from .poles import Identified, Poles, Structure, exact_poles
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
-_BLOCKS = ("frequency", "damping_ratio", *(f"shape_{d}" for d in DIRECTIONS))
-
 
 @dataclass(frozen=True)
-class RunModel:
-    """Wheel, rail and contact of a run, linearised.
+class LinearModel:
+    """A wheel on a rail with everything known that its linear behaviour needs.
 
     Attributes
     ----------
-    wheel, rail : modes in track axes; a rail that does not move has none
-    contact : linearised about the steady state
+    wheel, rail : modes that move, or what was identified
+    contact : linearised at its steady state
+    displacements : whether the contact takes displacements; else it integrates velocities
+    identified : names of the components that show no modes
     """
 
-    wheel: Modes
-    rail: Modes
+    wheel: Structure
+    rail: Structure
     contact: LinearContact
+    displacements: bool = True
+    identified: tuple[str, ...] = ()
 
+    @cached_property
     def poles(self) -> Poles:
-        """Return the poles of the coupled system."""
-        return closed_loop_poles(self.wheel, self.rail, self.contact)
+        """Poles of the coupled system without any step."""
+        return exact_poles(self.wheel, self.rail, self.contact)
 
-    def open_loop(self) -> tuple[Eigenloci, tuple[Crossing, ...]]:
-        """Return the eigenloci of the open loop and where they cross the positive real axis beyond +1."""
-        loop = Loop(remembered(of_modes(self.wheel)), remembered(of_modes(self.rail)), self.contact)
-        loci = eigenloci(loop.open_loop, frequency_grid(self.wheel.omega / (2 * np.pi), self.wheel.zeta))
-        return loci, crossings(loop.open_loop, loci)
+    def open_loop(self, below_hz: float = np.inf) -> tuple[Eigenloci, tuple[Crossing, ...]]:
+        """Return the eigenloci of the open loop, and where they cross the positive real axis beyond +1."""
+        wheel, rail = self.modal()
+        loop = Loop(remembered(of_modes(wheel)), remembered(of_modes(rail)), self.contact)
+        loci = eigenloci(loop.open_loop, frequency_grid(wheel.omega / (2 * np.pi), wheel.zeta))
+        return loci, tuple(c for c in crossings(loop.open_loop, loci) if c.frequency_hz < below_hz)
 
-    def loop_gains(self) -> dict[float, float]:
-        """Return the loop gains of the instabilities by frequency [Hz], below what the paper reports."""
-        _, found = self.open_loop()
-        return {c.frequency_hz: c.gain for c in found if c.frequency_hz < REPORTED_BELOW_HZ}
+    def loop_gains(self, below_hz: float) -> dict[float, float]:
+        """Return the loop gains of the instabilities by frequency [Hz], below a frequency."""
+        return {c.frequency_hz: c.gain for c in self.open_loop(below_hz)[1]}
+
+    def modal(self) -> tuple[Modes, Modes]:
+        """Return the modes of wheel and rail.
+
+        Raises
+        ------
+        InputError
+            If one of them shows none.
+        """
+        if isinstance(self.wheel, Identified) or isinstance(self.rail, Identified):
+            raise InputError(f"{' and '.join(self.identified)}: shows no modes, so its eigenloci are not drawn")
+        return self.wheel, self.rail
 
 
-def model_of(data: xr.Dataset) -> RunModel | None:
-    """Return the linear model of a run; None if its components do not tell modes and contact as ours do."""
-    values: Mapping[str, Mapping[str, Any]] = json.loads(data.attrs.get("all_parameters", "{}"))
-    wheel, rail = (modes_of(values.get(name)) for name in ("wheel", "rail"))
-    contact = _contact(values.get("contact", {}))
-    if wheel is None or rail is None or contact is None:
-        return None
-    return RunModel(wheel, rail, contact)
+def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
+    """Return the linear model of a wheel on a rail, with the values that are set.
 
+    Parameters
+    ----------
+    step : communication step, at which a structure that shows no modes is identified [s]
 
-def modes_of(values: Mapping[str, Any] | None) -> Modes | None:
-    """Return the modes among the parameters of a structure; None if it is not modal.
-
-    A structure with the step size as its only parameter has no modes and does not move.
+    Raises
+    ------
+    InputError
+        If the system is another one, or the contact has no slope at its steady state; the sentence says which.
     """
-    if not values:
-        return None
-    numbers = sorted(name.removeprefix("frequency_") for name in values if name.startswith("frequency_"))
-    try:
-        table = np.array([[float(values[f"{block}_{n}"]) for n in numbers] for block in _BLOCKS])
-    except (KeyError, TypeError, ValueError):
-        return None
-    if not numbers and set(values) != {"step_size"}:
-        return None
-    return Modes(2 * np.pi * table[0], table[1], table[2:].T.copy())
+    names, plain = _places(assembly)
+    values = {place: _numbers(assembly, name) for place, name in names.items()}
+    known = {p.name for p in PARAMETERS}
+    law = {name: value for name, value in values["contact"].items() if name in known}
+    missing = sorted(known - law.keys())
+    if missing:
+        raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
+    contact = _without_rounding(linear_contact(law), law)
+    shown = {s: _shown(names[s], values[s]) if s in plain else None for s in STRUCTURES}
+    hidden = tuple(names[s] for s, modes in shown.items() if modes is None)
+    wheel, rail = (modes if modes is not None else _identified(assembly, names[s], step) for s, modes in shown.items())
+    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden)
 
 
-def _contact(values: Mapping[str, Any]) -> LinearContact | None:
-    """Return the linearised contact of parameters; None if they are not those of our contact."""
-    known = {name: value for name, value in values.items() if not name.startswith("mobility_")}
-    if not known or any(not isinstance(value, float) for value in known.values()):
-        return None
+def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:
+    """Return the modes that a component shows; None if it shows none."""
     try:
-        return linear_contact(known)
-    except ValueError:
-        return None
+        return modes_of(values)
+    except DataError as error:
+        raise InputError(f"{name}: {error}, so its linear behaviour is not known") from None
+
+
+def _identified(assembly: Assembly, name: str, step: float) -> Identified:
+    """Return what the response of a structure's FMU tells of it."""
+    fmu = assembly.fmus[name]
+    pairs = power_pairs(bonds_of(assembly, name))
+    return identify(fmu, assembly.parameters[name], step * period(fmu, step), pairs)
+
+
+def model_of(data: xr.Dataset) -> LinearModel:
+    """Return the linear model of a run from its results alone.
+
+    Raises
+    ------
+    InputError
+        If its components do not tell modes and contact as ours do; the sentence says which.
+    """
+    values: Mapping[str, Mapping[str, Any]] = json.loads(data.attrs.get("all_parameters", "{}"))
+    structures = []
+    for name in STRUCTURES:
+        modes = _shown(name, values.get(name) or {})
+        if modes is None:
+            raise InputError(f"the results tell no modes of the {name}, so the poles of the system are not known")
+        structures.append(modes)
+    law = {k: v for k, v in (values.get("contact") or {}).items() if not k.startswith("mobility_")}
+    if not law or any(not isinstance(value, float) for value in law.values()):
+        raise InputError("the results tell no parameters of the contact, so the poles of the system are not known")
+    return LinearModel(structures[0], structures[1], linear_contact(law), bool(law.get("use_displacements", 1.0)))
+
+
+def _without_rounding(contact: LinearContact, law: Mapping[str, float]) -> LinearContact:
+    """Return the contact with the slopes that are only rounding of the finite difference set to zero."""
+    arm = np.sqrt(law["semi_axis_lon"] * law["semi_axis_lat"])
+    size = np.array([1.0, 1.0, arm])
+    rounding = 10 * np.finfo(float).eps * law["mu0"] / (2 * STEP)  # of a force, relative to the load
+    per_velocity = rounding * law["normal_load"] / law["rolling_velocity"] * np.outer(size, size)
+    H1 = np.where(np.abs(contact.H1) > per_velocity, contact.H1, 0.0)
+    return replace(contact, H1=H1, h2=np.where(np.abs(contact.h2) > rounding * size, contact.h2, 0.0))
+
+
+def _places(assembly: Assembly) -> tuple[dict[str, str], set[str]]:
+    """Return which component is wheel, rail and contact, and which structures are connected just as the contract says.
+
+    A structure that is connected otherwise, with other names or units, is not the one that its modes say.
+    """
+    if assembly.contact is None:
+        raise InputError(
+            "the system has no contact that takes interface mobilities, so its linear behaviour is not known"
+        )
+    found = {"contact": assembly.contact}
+    by_input = {(link.wire.end_element, link.wire.end_connector): link for link in assembly.links}
+    for s in STRUCTURES:
+        link = by_input.get((assembly.contact, f"{s}_v_{DIRECTIONS[0]}"))
+        if link is None:
+            raise InputError(f"the contact has no input {s}_v_{DIRECTIONS[0]}, so its linear behaviour is not known")
+        found[s] = link.wire.start_element
+    further = sorted(set(assembly.fmus) - set(found.values()))
+    if further or len(set(found.values())) != 3:
+        what = f"a further component, {further[0]}" if further else "one component for wheel and rail"
+        raise InputError(f"the system has {what}, so it is more than a wheel on a rail")
+    plain = set(STRUCTURES)
+    used = {f"{s}_u_{d}" for s in STRUCTURES for d in DISPLACEMENT_DIRECTIONS}
+    for wire in connections():
+        link = by_input.get((found[wire.end_element], wire.end_connector))
+        start = (found[wire.start_element], wire.start_connector)
+        if link is None and wire.end_connector in used:
+            continue
+        structure = wire.start_element if wire.start_element in STRUCTURES else wire.end_element
+        as_is = link is not None and (link.gain, link.offset) == (1.0, 0.0)
+        if link is None or (link.wire.start_element, link.wire.start_connector) != start or not as_is:
+            plain.discard(structure)
+    for s in STRUCTURES:
+        missing = set(DIRECTIONS) - bonds_of(assembly, found[s]).keys()
+        if s not in plain and missing == set(DIRECTIONS):
+            raise InputError(f"{found[s]} exchanges no force and velocity with the contact")
+    return found, plain
+
+
+def _numbers(assembly: Assembly, name: str) -> dict[str, float]:
+    """Return the numeric parameters of a component: what is set, else the start values."""
+    fmu = assembly.fmus[name]
+    values: dict[str, float] = {}
+    for parameter in fmu.names("parameter"):
+        variable = fmu.variables[parameter]
+        if variable.type == "String":
+            continue
+        value = assembly.parameters[name].get(parameter, variable.start)
+        if isinstance(value, str):
+            value = {"true": 1.0, "false": 0.0}.get(value.lower(), value)
+        if value is not None:
+            values[parameter] = float(value)
+    return values

@@ -17,6 +17,7 @@ from fmus.contact.component import contact as contact_component
 from fmus.contact.law import creep_forces
 from fmus.contact.linearised import STEP, LinearContact, linearise
 from fmus.contact.parameters import P
+from fmus.errors import DataError
 from fmus.modal.modes import Modes, mobility
 from fmus.rail.track import track_mobility
 from fmus.rail.track_data import Track
@@ -139,7 +140,7 @@ def linear_contact(parameters: Mapping[str, float] | None = None) -> LinearConta
     try:
         _check_smooth(parameters)
         contact = linearise(parameters)
-    except (ValueError, ZeroDivisionError) as error:
+    except (DataError, ZeroDivisionError) as error:
         raise InputError(f"contact: {error}") from None
     return contact
 
@@ -162,7 +163,7 @@ def _check_smooth(parameters: Mapping[str, float] | None) -> None:
     slopes = np.array([(force(step) - force(0.0)) / step for step in steps])
     scale = max(float(np.abs(slopes).max()), float(p[P.mu0] * p[P.normal_load]))
     if not np.isfinite(slopes).all() or np.ptp(slopes) > _CORNER * scale:
-        raise ValueError(
+        raise DataError(
             f"the slope of the friction law is undefined at steady_creepage_lat = {lat:g}: "
             f"{slopes[1]:.4g} N below, {slopes[0]:.4g} N above, {slopes[2]:.4g} N next to it per unit of creepage"
         )

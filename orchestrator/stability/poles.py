@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
@@ -14,6 +15,7 @@ from fmus.contact.linearised import LinearContact
 from fmus.modal.modes import Modes, state_space
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 TANGENTIAL = [0, 1, 3]
 """Directions lon, lat, spin in the order lon, lat, normal, spin."""
@@ -22,45 +24,79 @@ NORMAL = 2
 
 
 @dataclass(frozen=True)
+class Identified:
+    """A structure that shows no modes, as its response tells it: velocities after an impulse are sums of exponentials.
+
+    Attributes
+    ----------
+    pole : (n,) [1/s]; of a complex pair both
+    observe : (4, n) velocity in track axes per state
+    drive : (n, 4) rate of the states per force in track axes
+    """
+
+    pole: Complex
+    observe: Complex
+    drive: Complex
+
+
+Structure = Modes | Identified
+
+
+@dataclass(frozen=True)
 class OpenSystem:
     """Wheel and rail side by side, without the contact, seen from the contact.
 
     Attributes
     ----------
-    A : (2n, 2n) state matrix of the state (all modal velocities, all modal displacements)
-    R : (4, n) relative motion wheel minus rail in contact axes per modal coordinate; R.T turns contact forces on the
-        wheel into modal forces
+    A : (m, m) state matrix; two modal structures have all modal velocities, then all modal displacements
+    B : (m, 4) rate of the state per contact force on the wheel, in contact axes
+    V, U : (4, m) relative velocity and displacement, wheel minus rail, in contact axes
     """
 
-    A: Real
-    R: Real
+    A: Any
+    B: Any
+    V: Any
+    U: Any
 
     @classmethod
-    def of(cls, wheel: Modes, rail: Modes, turn: Real) -> OpenSystem:
+    def of(cls, wheel: Structure, rail: Structure, turn: Real) -> OpenSystem:
         """Put wheel and rail together; `turn` is the rotation from track to contact axes."""
-        modes = Modes(
-            np.concatenate([wheel.omega, rail.omega]),
-            np.concatenate([wheel.zeta, rail.zeta]),
-            np.vstack([wheel.shape, -rail.shape]),
+        if isinstance(wheel, Modes) and isinstance(rail, Modes):
+            both = Modes(
+                np.concatenate([wheel.omega, rail.omega]),
+                np.concatenate([wheel.zeta, rail.zeta]),
+                np.vstack([wheel.shape, -rail.shape]),
+            )
+            A, B, C, C_d = state_space(both)
+            return cls(A, B @ turn.T, turn @ C, turn @ C_d)
+        parts = [_matrices(wheel), _matrices(rail)]
+        return cls(
+            block_diag(parts[0][0], parts[1][0]),
+            np.vstack([parts[0][1], -parts[1][1]]) @ turn.T,
+            turn @ np.hstack([parts[0][2], -parts[1][2]]),
+            turn @ np.hstack([parts[0][3], -parts[1][3]]),
         )
-        A, _, _, _ = state_space(modes)
-        return cls(A, turn @ modes.shape.T)
 
 
-def closed_loop_matrix(wheel: Modes, rail: Modes, contact: LinearContact) -> Real:
-    """Return the state matrix of the coupled system, (2n, 2n).
+def _matrices(structure: Structure) -> tuple[Any, Any, Any, Any]:
+    """Return A, B, C (velocities) and C_d (displacements) of one structure."""
+    if isinstance(structure, Modes):
+        return state_space(structure)
+    return np.diag(structure.pole), structure.drive, structure.observe, structure.observe / structure.pole
+
+
+def closed_loop_matrix(wheel: Structure, rail: Structure, contact: LinearContact) -> Any:
+    """Return the state matrix of the coupled system, (m, m).
 
     Notes
     -----
-    f_n = -K R_n q and f_t = H1 R_t q' + h2 f_n: the friction force follows the normal force without delay.
+    f_n = -K u_n and f_t = H1 v_t + h2 f_n: the friction force follows the normal force without delay.
     """
     open_system = OpenSystem.of(wheel, rail, contact.turn)
-    n = open_system.R.shape[1]
-    R_n, R_t = open_system.R[NORMAL], open_system.R[TANGENTIAL]
-    A = open_system.A.copy()
-    A[:n, :n] += R_t.T @ contact.H1 @ R_t
-    A[:n, n:] -= contact.stiffness * np.outer(R_n + contact.h2 @ R_t, R_n)
-    return A
+    force = np.zeros_like(open_system.V)
+    force[NORMAL] = -contact.stiffness * open_system.U[NORMAL]
+    force[TANGENTIAL] = contact.H1 @ open_system.V[TANGENTIAL] + np.outer(contact.h2, force[NORMAL])
+    return open_system.A + open_system.B @ force
 
 
 @dataclass(frozen=True)
@@ -94,17 +130,12 @@ def poles_of(eigenvalues: NDArray[Any]) -> Poles:
     return Poles(positive.imag / (2 * np.pi), positive.real)
 
 
-def closed_loop_poles(wheel: Modes, rail: Modes, contact: LinearContact) -> Poles:
-    """Return the poles of the coupled system."""
-    return poles_of(np.linalg.eigvals(closed_loop_matrix(wheel, rail, contact)))
-
-
-def exact_poles(wheel: Modes, rail: Modes, contact: LinearContact) -> Poles:
+def exact_poles(wheel: Structure, rail: Structure, contact: LinearContact) -> Poles:
     """Return the poles of the coupled system without any step."""
     return poles_of(eigenvalues(closed_loop_matrix(wheel, rail, contact)))
 
 
-def eigenvalues(matrix: Real) -> NDArray[np.complex128]:
+def eigenvalues(matrix: Any) -> NDArray[np.complex128]:
     """Return the eigenvalues of a matrix, part by part where it falls apart into parts that do not couple.
 
     Motion along the track and in its cross-section often do not; that makes the work a quarter.

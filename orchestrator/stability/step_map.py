@@ -8,17 +8,19 @@ are the growth that the algorithm adds, mode by mode.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.optimize import linear_sum_assignment
 
 from fmus.contact.linearised import LinearContact
 from fmus.contact.prediction import DECAY, MEMORY, SLIP, STICK
-from fmus.modal.modes import Modes
+from fmus.modal.modes import Modes, state_space
 
 from ..coupling.algorithms import find_algorithm
-from .poles import NORMAL, TANGENTIAL, OpenSystem, Poles, eigenvalues, exact_poles, poles_of
+from .poles import NORMAL, TANGENTIAL, OpenSystem, Poles, Structure, eigenvalues, poles_of
 
 Real = NDArray[np.float64]
 
@@ -33,13 +35,13 @@ WEAK = -5.0
 
 
 def step_map(
-    wheel: Modes,
-    rail: Modes,
+    wheel: Structure,
+    rail: Structure,
     contact: LinearContact,
     h: float,
     algorithm: str = "staggered",
     displacements: bool = True,
-) -> Real:
+) -> Any:
     """Return the matrix of one step.
 
     Parameters
@@ -50,9 +52,9 @@ def step_map(
 
     Returns
     -------
-    (m, m) array for the state (modal velocities, modal displacements, held contact forces, the forces before them, the
-    relative velocities before), all but the modes in contact axes, m = 2n + 12; without displacements one more, the
-    compression of the spring
+    (m + 12, m + 12) array for the state (the m states of the structures, held contact forces, the forces before them,
+    the relative velocities before), all but the first in contact axes; without displacements one more, the compression
+    of the spring
 
     Notes
     -----
@@ -62,48 +64,60 @@ def step_map(
     if algorithm == COMPENSATED:
         return _compensated_step_map(wheel, rail, contact, h)
     rule = find_algorithm(algorithm)
-    R, phi, drive = _sampled(wheel, rail, contact, h)
-    n = R.shape[1]
-    Y = R @ drive[:n]
-    unit = np.eye(2 * n + (12 if displacements else 13))
-    now, held, before, v_before, compression = np.split(unit, [2 * n, 2 * n + 4, 2 * n + 8, 2 * n + 12])
+    V, U, phi, drive = _sampled(wheel, rail, contact, h)
+    m = len(phi)
+    Y = (V @ drive).real
+    unit = np.eye(m + (12 if displacements else 13))
+    now, held, before, v_before, compression = np.split(unit, [m, m + 4, m + 8, m + 12])
     law = _Law(contact, Y, h, displacements)
-    stepped = np.hstack([phi, (1 - rule.share) * drive, np.zeros((2 * n, len(unit) - 2 * n - 4))])
+    stepped = np.hstack([phi, (1 - rule.share) * drive, np.zeros((m, len(unit) - m - 4))])
     seen = now if rule.simultaneous else stepped
-    v, u = R @ seen[:n], R @ seen[n:]
+    v, u = V @ seen, U @ seen
     v_ahead = v + 0.5 * (v - v_before - Y @ (held - before))
     forces = law.forces(v_ahead - Y @ held, law.compression(v, u, compression))
     if rule.share:
-        own_v, own_u = rule.share * R @ drive[:n], rule.share * R @ drive[n:]
+        own_v, own_u = rule.share * V @ drive, rule.share * U @ drive
         own = law.forces(1.5 * own_v, law.compression(own_v, own_u, np.zeros((1, 4))))
         forces = np.asarray(np.linalg.solve(np.eye(4) - own, forces))
         stepped = np.asarray(stepped + rule.share * drive @ forces)
-        v, u = R @ stepped[:n], R @ stepped[n:]
+        v, u = V @ stepped, U @ stepped
     kept = [] if displacements else [law.compression(v, u, compression)]
     return np.vstack([stepped, forces, held, v, *kept])
 
 
-def _sampled(wheel: Modes, rail: Modes, contact: LinearContact, h: float) -> tuple[Real, Real, Real]:
-    """Return the shapes of all modes in contact axes, their exact step, and their answer to held contact forces."""
+def _sampled(wheel: Structure, rail: Structure, contact: LinearContact, h: float) -> tuple[Any, Any, Any, Any]:
+    """Return V and U of `OpenSystem`, the exact step of its state, and its answer to held contact forces."""
     open_system = OpenSystem.of(wheel, rail, contact.turn)
-    R = open_system.R
-    phi, gamma = _exact_step(open_system.A, R.shape[1], h)
-    return R, phi, gamma @ R.T
+    if isinstance(wheel, Modes) and isinstance(rail, Modes):
+        phi, gamma = _exact_step(open_system.A, len(wheel) + len(rail), h)
+        return open_system.V, open_system.U, phi, gamma @ open_system.B[: gamma.shape[1]]
+    steps = [_step_of(structure, h) for structure in (wheel, rail)]
+    answer = block_diag(steps[0][1], steps[1][1])
+    return open_system.V, open_system.U, block_diag(steps[0][0], steps[1][0]), answer @ open_system.B
 
 
-def _compensated_step_map(wheel: Modes, rail: Modes, contact: LinearContact, h: float) -> Real:
+def _step_of(structure: Structure, h: float) -> tuple[Any, Any]:
+    """Return the exact step of one structure's state, and its integral over the step: the answer to a held rate."""
+    if isinstance(structure, Modes):
+        n = len(structure)
+        phi, gamma = _exact_step(state_space(structure)[0], n, h)
+        return phi, np.hstack([gamma, np.zeros((2 * n, n))])
+    return np.diag(np.exp(structure.pole * h)), np.diag(np.expm1(structure.pole * h) / structure.pole)
+
+
+def _compensated_step_map(wheel: Structure, rail: Structure, contact: LinearContact, h: float) -> Any:
     """Return the matrix of one Jacobi step with a contact that makes up for its late inputs.
 
     The state of `step_map`, then the forces before those and the rests of the last two changes of the velocities, see
-    `fmus.contact.prediction`: (2n + 24, 2n + 24).
+    `fmus.contact.prediction`: (m + 24, m + 24), m states of the structures.
     """
-    R, phi, drive = _sampled(wheel, rail, contact, h)
-    n = R.shape[1]
-    Y = R @ drive[:n]
-    unit = np.eye(2 * n + 24)
-    now, held, before, v_before, older, b1, b2 = np.split(unit, range(2 * n, len(unit), 4))
+    V, U, phi, drive = _sampled(wheel, rail, contact, h)
+    m = len(phi)
+    Y = (V @ drive).real
+    unit = np.eye(m + 24)
+    now, held, before, v_before, older, b1, b2 = np.split(unit, range(m, len(unit), 4))
     stepped = phi @ now + drive @ held
-    v, u = R @ now[:n], R @ now[n:]
+    v, u = V @ now, U @ now
     known, known_before = (Y @ (f - (1 - MEMORY) * f_before) for f, f_before in ((held, before), (before, older)))
     b0 = v - v_before - known_before
     part = _part_of_parabola(contact, Y)
@@ -141,13 +155,13 @@ class _Law:
     h: float
     displacements: bool
 
-    def compression(self, v: Real, u: Real, before: Real) -> Real:
+    def compression(self, v: Any, u: Any, before: Any) -> Any:
         """Return the compression of the spring, (1, m), at velocities and displacements (4, m)."""
         if self.displacements:
             return -(u[[NORMAL]] + 0.5 * self.h * v[[NORMAL]])
         return before - self.h * v[[NORMAL]]
 
-    def forces(self, v: Real, compression: Real) -> Real:
+    def forces(self, v: Any, compression: Any) -> Any:
         """Return the contact forces that solve F = H1 (v + Y F) + h2 f_n and f_n = K times compression, (4, m)."""
         t, k, H1 = TANGENTIAL, NORMAL, self.contact.H1
         forces = np.zeros_like(v)
@@ -213,20 +227,7 @@ class SchemeError:
         return float(abs(self.error[self.exact > WEAK]).max(initial=0.0))
 
 
-def scheme_error(
-    wheel: Modes,
-    rail: Modes,
-    contact: LinearContact,
-    h: float,
-    algorithm: str = "staggered",
-    below_hz: float = BELOW_HZ,
-) -> SchemeError:
-    """Compare the growth rates of a scheme with those of the coupled system, for all modes below a frequency."""
-    exact = exact_poles(wheel, rail, contact).below(below_hz)
-    return compare_growth(exact, discrete_poles(step_map(wheel, rail, contact, h, algorithm), h))
-
-
-def discrete_poles(matrix: Real, h: float) -> Poles:
+def discrete_poles(matrix: Any, h: float) -> Poles:
     """Return the poles that an observer of the steps sees."""
     z = eigenvalues(matrix)
     return poles_of(np.log(z[np.abs(z) > 1e-12]) / h)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import fmus as components
 from fmus.cases import SSP_FOLDER, read_cases
+from fmus.errors import DataError
 from fmus.packaging.build import SSP_NAME, build
 from fmus.packaging.target import default_target
 
@@ -39,7 +40,7 @@ def built_ssp() -> Path:
                 digest.update(path.name.encode() + path.read_bytes())
     try:
         target = default_target()
-    except ValueError as error:
+    except DataError as error:
         raise InputError(f"the FMUs of the cases cannot be built here: {error}") from None
     digest.update(str(target).encode())
     folder = cache_folder().parent / "built"

@@ -48,12 +48,12 @@ def _describe_fmu(fmu: Fmu) -> dict[str, Any]:
             {
                 "name": v.name,
                 "causality": v.causality,
-                "type": v.type,
-                "unit": fmu.unit(v.name),
+                "type": v.fmi_type,
+                "unit": v.unit,
                 "start": v.start,
                 "description": v.description,
             }
-            for v in d.modelVariables
+            for v in fmu.variables.values()
         ],
     }
 

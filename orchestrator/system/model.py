@@ -167,7 +167,7 @@ class System:
         elements = dict(self.elements)
         for name, source in sources.items():
             if name not in elements:
-                raise InputError(f"--replace {name}: the system has no component {name!r}; it has {listing(elements)}")
+                raise InputError(f"replace {name}: the system has no component {name!r}; it has {listing(elements)}")
             elements[name] = replace(elements[name], source=source)
         return replace(self, elements=elements)
 
@@ -182,9 +182,7 @@ class System:
                 full = f"{first}.{rest}"
                 name = max((n for n in elements if full.startswith(f"{n}.")), key=len, default=None)
                 if name is None:
-                    raise InputError(
-                        f"--set {first}: the system has no component {first!r}; it has {listing(elements)}"
-                    )
+                    raise InputError(f"set {first}: the system has no component {first!r}; it has {listing(elements)}")
                 changed = {full.removeprefix(f"{name}."): Parameter(value)}
                 elements[name] = replace(elements[name], parameters={**elements[name].parameters, **changed})
         return replace(self, elements=elements)

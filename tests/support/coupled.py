@@ -11,11 +11,15 @@ from fmus.component import Component, Instance
 from fmus.contact.component import contact
 from fmus.contact.linearised import LinearContact, linearise
 from fmus.interface import INITIAL_VELOCITY, STEP_SIZE, connections
+from fmus.modal import parameters as modal
 from fmus.modal.modes import Modes
 from fmus.packaging.ssp.structure import system_mobility
 from fmus.rail.component import rail, rigid_rail
 from fmus.wheel.component import wheel as wheel_of
 from fmus.wheel.wheelset import DATA, read_wheelset
+from orchestrator.stability.linear_model import LinearModel
+from orchestrator.stability.scheme import growth_of_scheme
+from orchestrator.stability.step_map import BELOW_HZ, SchemeError
 
 Real = NDArray[np.float64]
 
@@ -25,8 +29,9 @@ HAS_RAIL = {1: True, 2: False, 3: True, 4: False}
 
 def modes_of(component: Component) -> Modes:
     """Return the modes that a structure has as start values."""
-    values = np.array([v.start for v in component.of("parameter")][:-1], dtype=float).reshape(7, -1)
-    return Modes(2 * np.pi * values[0], values[1], values[2:6].T.copy())
+    modes = modal.modes_of({v.name: v.start for v in component.of("parameter")})
+    assert modes is not None
+    return modes
 
 
 def wheel() -> Component:
@@ -42,6 +47,18 @@ def rail_of(case: int) -> Component:
 def linear_contact(case: int, **parameters: float) -> LinearContact:
     """Return the linearised contact of a case of the paper."""
     return linearise({"falling_ratio": FALLING[case], **parameters})
+
+
+def scheme_error(
+    wheel: Modes,
+    rail: Modes,
+    contact: LinearContact,
+    h: float,
+    algorithm: str = "staggered",
+    below_hz: float = BELOW_HZ,
+) -> SchemeError:
+    """Compare the growth rates of a scheme with those of the coupled system, for all modes below a frequency."""
+    return growth_of_scheme(LinearModel(wheel, rail, contact), h, algorithm, below_hz).modes
 
 
 @dataclass

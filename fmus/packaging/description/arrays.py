@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 from ...component import Component, Variable
-
-_NUMBERED = re.compile(r"(.+)_(\d{3,})")
+from ...modal.parameters import numbered
 
 
 @dataclass(frozen=True)
@@ -35,12 +33,12 @@ def arrays(component: Component) -> list[Array]:
     """Return the variables of a component, numbered ones of one name gathered, in order."""
     groups: list[Array] = []
     for position, variable in enumerate(component.variables):
-        match = _NUMBERED.fullmatch(variable.name)
+        key = numbered(variable.name)
         last = groups[-1] if groups else None
-        if match and last and last.name == match.group(1) and int(match.group(2)) == len(last.variables) + 1:
+        if key and last and last.name == key[0] and key[1] == len(last.variables) + 1:
             groups[-1] = Array(last.name, last.first, (*last.variables, variable))
-        elif match and int(match.group(2)) == 1:
-            groups.append(Array(match.group(1), position, (variable,)))
+        elif key and key[1] == 1:
+            groups.append(Array(key[0], position, (variable,)))
         else:
             groups.append(Array(variable.name, position, (variable,)))
     return groups

@@ -16,6 +16,7 @@ from scipy.sparse.linalg import eigsh
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, MeshQuad2
 from skfem.helpers import dot
 
+from ...errors import DataError
 from .section import Material
 
 Real = NDArray[np.float64]
@@ -136,7 +137,7 @@ def harmonic_matrices(body: Body, n: int, symmetry: str, motion: str = "all") ->
         For n = 0, whose torsion is independent of the rest.
     """
     if n < 0 or symmetry not in SYMMETRIES or (motion != "all" and n > 0):
-        raise ValueError(f"harmonic n = {n}, {symmetry}, {motion}; n must be >= 0, {SYMMETRIES}, parts for n = 0 only")
+        raise DataError(f"harmonic n = {n}, {symmetry}, {motion}; n must be >= 0, {SYMMETRIES}, parts for n = 0 only")
     T = _constraints(body, n, symmetry, motion)
     return (T.T @ body.stiffness_of(n) @ T).tocsc(), (T.T @ body.mass_of(n) @ T).tocsc(), T
 

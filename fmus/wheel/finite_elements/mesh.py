@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementQuad2, MeshQuad, MeshQuad2
 
+from ...errors import DataError
 from .section import Section
 
 Real = NDArray[np.float64]
@@ -57,11 +58,11 @@ def mesh_section(section: Section, refinement: int = 1) -> SectionMesh:
 
     Raises
     ------
-    ValueError
+    DataError
         If an element folds, which is what an outline that intersects itself comes to.
     """
     if refinement < 1:
-        raise ValueError(f"mesh: refinement = {refinement}; must be >= 1")
+        raise DataError(f"mesh: refinement = {refinement}; must be >= 1")
     blocks = _blocks(section, refinement)
     points, quads, part = _join(blocks)
     mesh = MeshQuad2.from_mesh(MeshQuad(points, quads))
@@ -70,7 +71,7 @@ def mesh_section(section: Section, refinement: int = 1) -> SectionMesh:
     folded = np.flatnonzero((volume <= 0).any(axis=1))
     if folded.size:
         z, r = mesh.p[:, mesh.t[:, folded[0]]].mean(axis=1)
-        raise ValueError(f"mesh: an element folds near z = {z:.3f}, r = {r:.3f} m: the outline intersects itself")
+        raise DataError(f"mesh: an element folds near z = {z:.3f}, r = {r:.3f} m: the outline intersects itself")
     return SectionMesh(mesh, part, section)
 
 

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...errors import DataError
+
 Real = NDArray[np.float64]
 Profile = tuple[tuple[float, float], ...]
 
@@ -42,9 +44,9 @@ class Material:
         for name in ("young_modulus", "density"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"material: {name} = {value:g}; must be finite and > 0")
+                raise DataError(f"material: {name} = {value:g}; must be finite and > 0")
         if not -1 < self.poisson_ratio < 0.5:
-            raise ValueError(f"material: poisson_ratio = {self.poisson_ratio:g}; must be between -1 and 0.5")
+            raise DataError(f"material: poisson_ratio = {self.poisson_ratio:g}; must be between -1 and 0.5")
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ class Section:
 
     Raises
     ------
-    ValueError
+    DataError
         For a value out of range, or parts that overlap or miss each other so that the outline intersects itself.
     """
 
@@ -130,7 +132,7 @@ class Section:
         numbers += [x for point in (*self.profile, *self.axle) for x in point]
         numbers += [getattr(self.web, name) for name in Web.__dataclass_fields__]
         if not np.isfinite(numbers).all():
-            raise ValueError("section: a dimension is not finite")
+            raise DataError("section: a dimension is not finite")
         _check_line("running profile", self.profile)
         _check_line("axle", self.axle)
         self._check_radii()
@@ -167,16 +169,16 @@ class Section:
         """Check that the parts follow each other outwards and the hub sits on a cylinder."""
         inner, outer = self.hub_faces
         if not 0 < inner < outer < self.axle[-1][0]:
-            raise ValueError(
+            raise DataError(
                 f"section: hub faces at {inner:g} and {outer:g} m; must rise between mid-axle and the axle's end, "
                 f"{self.axle[-1][0]:g} m"
             )
         seat = self.axle_radius([inner, outer, *(z for z, _ in self.axle if inner < z < outer)])
         if np.ptp(seat) > 1e-9:
-            raise ValueError("section: the axle's radius changes under the hub; the seat must be a cylinder")
+            raise DataError("section: the axle's radius changes under the hub; the seat must be a cylinder")
         radii = [float(seat[0]), self.hub_radius, self.rim_inner_radius, min(r for _, r in self.profile)]
         if not all(a < b for a, b in pairwise(radii)):
-            raise ValueError(
+            raise DataError(
                 "section: the outline intersects itself: radii of seat, hub, rim inside and running profile are "
                 f"{', '.join(f'{r:g}' for r in radii)} m; must increase"
             )
@@ -184,14 +186,14 @@ class Section:
     def _check_web(self) -> None:
         """Check that the web has a thickness and ends within rim and hub."""
         if self.web.fillet_length <= 0:
-            raise ValueError(f"section: fillet_length = {self.web.fillet_length:g}; must be > 0")
+            raise DataError(f"section: fillet_length = {self.web.fillet_length:g}; must be > 0")
         if self.web.thickness(_SAMPLES).min() <= 0:
-            raise ValueError("section: the outline intersects itself: the faces of the web cross")
+            raise DataError("section: the outline intersects itself: the faces of the web cross")
         rim = (self.profile[0][0], self.profile[-1][0])
         for part, t, (low, high) in (("rim", 0.0, rim), ("hub", 1.0, self.hub_faces)):
             left, right = (float(side) for side in self.web.sides(t))
             if not low < left < right < high:
-                raise ValueError(
+                raise DataError(
                     f"section: the outline intersects itself: the web meets the {part} from z = {left:.4f} to "
                     f"{right:.4f} m; must be between {low:g} and {high:g} m"
                 )
@@ -200,7 +202,7 @@ class Section:
         """Check that the contact point is on the running profile."""
         z, r = self.contact_position, self.contact_radius
         if not self.profile[0][0] < z < self.profile[-1][0] or abs(float(self.profile_radius(z)) - r) > 1e-6:
-            raise ValueError(f"section: the contact point z = {z:g}, r = {r:g} m is not on the running profile")
+            raise DataError(f"section: the contact point z = {z:g}, r = {r:g} m is not on the running profile")
 
 
 def _follow(line: Profile, z: ArrayLike) -> Real:
@@ -211,11 +213,11 @@ def _follow(line: Profile, z: ArrayLike) -> Real:
 def _check_line(name: str, line: Profile) -> None:
     """Check that a line of (z, r) goes outwards and stays off the axis."""
     if len(line) < 2 or any(b[0] <= a[0] for a, b in pairwise(line)):
-        raise ValueError(f"section: the outline intersects itself: z of the {name} must increase from point to point")
+        raise DataError(f"section: the outline intersects itself: z of the {name} must increase from point to point")
     if min(r for _, r in line) <= 0:
-        raise ValueError(f"section: the outline intersects itself: r of the {name} must be > 0")
+        raise DataError(f"section: the outline intersects itself: r of the {name} must be > 0")
     if name == "axle" and line[0][0] != 0:
-        raise ValueError(f"section: the axle starts at z = {line[0][0]:g} m; must start at mid-axle, 0 m")
+        raise DataError(f"section: the axle starts at z = {line[0][0]:g} m; must start at mid-axle, 0 m")
 
 
 def read_section(path: Path) -> Section:
@@ -223,17 +225,17 @@ def read_section(path: Path) -> Section:
 
     Raises
     ------
-    ValueError
+    DataError
         For a missing dimension, one that is no number, or a geometry that `Section` refuses.
     """
     try:
         return _section(tomllib.loads(path.read_text(encoding="utf-8")))
     except KeyError as error:
-        raise ValueError(f"{path.name}: {error.args[0]!r} is missing") from None
+        raise DataError(f"{path.name}: {error.args[0]!r} is missing") from None
     except (TypeError, AttributeError) as error:
-        raise ValueError(f"{path.name}: {error}; every dimension must be a number") from None
+        raise DataError(f"{path.name}: {error}; every dimension must be a number") from None
     except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
+        raise DataError(f"{path.name}: {error}") from None
 
 
 def _section(data: dict[str, Any]) -> Section:
@@ -274,5 +276,5 @@ def _points(pairs: list[list[float]]) -> Profile:
 def _pair(values: list[float]) -> tuple[float, float]:
     """Return two numbers."""
     if len(values) != 2:
-        raise ValueError(f"{values} must be a pair of numbers")
+        raise DataError(f"{values} must be a pair of numbers")
     return float(values[0]), float(values[1])

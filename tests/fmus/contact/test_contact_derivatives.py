@@ -101,7 +101,7 @@ def settled(situation: str) -> Instance:
     instance.initialise()
     instance.inputs[:4] = velocities
     instance.inputs[8:10] = displacements
-    for _ in range(300):
+    for _ in range(1500):
         instance.do_step(H)
     w = tuple(instance.state[S.w_lon : S.w_lon + 3])
     load = instance.state[S.f_normal] + instance.parameters[P.normal_load]

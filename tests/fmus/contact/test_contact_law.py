@@ -22,8 +22,7 @@ A, B, LOAD, MU = 0.010, 0.005, 60e3, 0.3
 def creep_force(
     xi: float, eta: float, phi: float, *, a: float, b: float, friction: float, L: tuple[float, ...], grid: int
 ) -> np.ndarray:
-    peak = friction / bound_volume(a, b, grid, grid)
-    return forces(xi, eta, phi, peak, a, b, *L, grid, grid)
+    return forces(xi, eta, phi, friction, bound_volume(a, b, grid, grid), a, b, *L, grid, grid)
 
 
 def forces(*arguments: float) -> np.ndarray:
@@ -105,8 +104,18 @@ def test_kalker_coefficients_between_the_nodes() -> None:
     assert creepage_coefficients(2.0, 1.0, 0.30) == pytest.approx((5.275, 5.020, 2.682), abs=5e-4)
 
 
+@pytest.mark.parametrize(("aspect", "exact"), [(6.667, (9.31, 10.15, 9.42)), (4.0, (7.05, 7.33, 5.345))])
+def test_kalker_coefficients_of_narrow_ellipses(aspect: float, exact: tuple[float, float, float]) -> None:
+    """Against the CONTACT program, extrapolated to a fine grid, whose own error is 0.8 %."""
+    assert creepage_coefficients(aspect, 1.0, 0.3) == pytest.approx(exact, rel=0.0125)
+
+
 def test_longitudinal_creep_curve_against_a_reference_output() -> None:
-    """Published FASTSIM outputs of CONTACT on a rectangular 48 x 44 grid; 50 x 50 strips agree to 1.1 %."""
+    """Published FASTSIM outputs of CONTACT, 48 x 44 rectangular elements at 1.1 times the ellipse.
+
+    That grid gives the first element twice its slip, about 1/44 too much at small creepage: staircase and first order
+    together 3.1 %, as the sum over its elements says. Here neither is.
+    """
     a, b = 6.304e-3, 12.61e-3
     L = flexibility(a, b, 82e9, 0.28)
     reference = {
@@ -114,36 +123,54 @@ def test_longitudinal_creep_curve_against_a_reference_output() -> None:
     }  # fmt: skip
     for xi, force in reference.items():
         found = creep_force(xi, 0, 0, a=a, b=b, friction=0.33 * 106.7e3, L=L, grid=50)
-        assert found[0] == pytest.approx(force, rel=0.011)
+        assert 1 - 0.031 < found[0] / force <= 1
         assert found[1:] == pytest.approx([0, 0], abs=1e-9 * abs(force))
 
 
-@pytest.mark.parametrize(
-    ("grid", "force", "moment", "tolerance"), [(40, -0.6118, -39.0, 0.03), (200, -0.6359, -37.98, 0.01)]
-)
-def test_lateral_creep_with_spin_against_a_reference_output(
-    grid: int, force: float, moment: float, tolerance: float
-) -> None:
-    """Published FASTSIM outputs of CONTACT; it samples the rigid slip elsewhere in an element: 3 % and 1 %."""
+def test_lateral_creep_with_spin_against_a_reference_output() -> None:
+    """Published FASTSIM outputs of CONTACT on 40 x 40 and 200 x 200 elements, extrapolated: it is of first order.
+
+    Four digits are printed, so the extrapolation is good to 1e-3; a grid of 10 x 10 is off by 0.3 and 1.7 %.
+    """
     L = (4.937e-14, 5.152e-14, 4.090e-14)
-    found = creep_force(0, -6.25e-4, 0.625, a=8e-3, b=4e-3, friction=0.3 * 82e3, L=L, grid=grid)
-    assert found[1] / (0.3 * 82e3) == pytest.approx(force, rel=tolerance)
-    assert found[2] == pytest.approx(moment, rel=tolerance)
+    force, moment = (0.3 * 82e3 * (200 * -0.6359 + 40 * 0.6118) / 160, (200 * -37.98 + 40 * 39.0) / 160)
+    for grid, tolerance in ((200, 1e-3), (10, 0.02)):
+        found = creep_force(0, -6.25e-4, 0.625, a=8e-3, b=4e-3, friction=0.3 * 82e3, L=L, grid=grid)
+        assert found[1:] == pytest.approx([force, moment], rel=tolerance)
 
 
 def test_small_creepage_gives_kalkers_linear_theory() -> None:
-    """F = -G a b c11 xi as the grid is refined: the error falls like 1/n, 1 % at n = 100."""
+    """F = -G a b c11 xi, on any number of cells: without sliding the traction is linear along a strip.
+
+    What is left is the sum over strips of 1 - (y/b)^2, 1 + 1/(2 n^2) of its integral, and the sliding at the edge.
+    """
     c11, c22, _ = creepage_coefficients(A, B, 0.3)
     for direction, c in ((0, c11), (1, c22)):
         exact = -80e9 * A * B * c * 1e-9
-        errors = []
-        for grid in (50, 100):
+        for grid in (1, 10, 20):
             creepage = [0.0, 0.0, 0.0]
             creepage[direction] = 1e-9
             found = creep_force(*creepage, a=A, b=B, friction=MU * LOAD, L=L_TABLE_1, grid=grid)[direction]
-            errors.append(found / exact - 1)
-        assert abs(errors[1]) < 0.011
-        assert errors[1] == pytest.approx(errors[0] / 2, rel=0.05)
+            assert found / exact == pytest.approx(1 + 0.5 / grid**2, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "creepage", [(0, 1e-3, 0), (1e-3, 0, 0), (0, 0, 0.3), (0, 0, 1), (0, 0, 3), (5e-4, -1e-3, 0.5), (1e-3, 2e-3, 0.3)]
+)
+def test_order_in_the_cells(creepage: tuple[float, float, float]) -> None:
+    """Sixteen times the cells, 1/256 of the error, also where spin turns the sliding: a half of that is asked for.
+
+    An error depends on where in its cell sliding begins, so it is the mean over a few grids.
+    """
+
+    def found(cells: int) -> np.ndarray:
+        volume = bound_volume(A, B, cells, 8)
+        return forces(*creepage, MU * LOAD, volume, A, B, *L_TABLE_1, cells, 8) / [1, 1, A]
+
+    exact = found(40000)
+    coarse, fine = (np.mean([abs(found(n) - exact).max() for n in range(m, 3 * m // 2, m // 10)]) for m in (10, 160))
+    assert coarse < 0.01 * MU * LOAD
+    assert fine < coarse / 128
 
 
 def test_saturation_creepage() -> None:
@@ -160,9 +187,10 @@ def test_saturation_creepage() -> None:
 
 
 creepages = st.floats(-0.05, 0.05).map(lambda x: round(x, 9))  # no subnormal numbers, whose squares vanish
+spins = st.floats(-5, 5).map(lambda x: round(x, 6))
 
 
-@given(creepages, creepages, st.floats(-5, 5).map(lambda x: round(x, 6)), st.integers(1, 30), st.floats(1e-3, 1e5))
+@given(creepages, creepages, spins, st.integers(1, 30), st.floats(1e-3, 1e5))
 def test_creep_force_is_bounded_odd_and_dissipative(
     xi: float, eta: float, phi: float, grid: int, friction: float
 ) -> None:
@@ -185,29 +213,33 @@ def test_reversed_rolling_with_reversed_spin_mirrors_the_moment() -> None:
 
 def test_no_normal_force_gives_no_creep_force() -> None:
     assert creep_force(0.01, 0.02, 0.1, a=A, b=B, friction=0.0, L=L_TABLE_1, grid=10).tolist() == [0, 0, 0]
-    assert list(forces(0.01, 0.02, 0.1, -1.0, A, B, *L_TABLE_1, 10, 10)) == [0, 0, 0]
-    assert list(forces(0.0, 0.0, 0.0, 1e-200, A, B, *L_TABLE_1, 10, 10)) == [0, 0, 0]
+    assert list(forces(0.01, 0.02, 0.1, -1.0, 1.0, A, B, *L_TABLE_1, 10, 10)) == [0, 0, 0]
+    assert list(forces(0.0, 0.0, 0.0, 1e-200, 1.0, A, B, *L_TABLE_1, 10, 10)) == [0, 0, 0]
 
 
 def strip_by_strip(xi: float, eta: float, phi: float, peak: float, cells: int, strips: int) -> np.ndarray:
-    """FASTSIM as it is told: one strip after the other from the leading edge on, cut to the bound where above it."""
+    """FASTSIM strip after strip from the leading edge on: to a centre with half of what the last cut took away."""
     L1, L2, L3 = L_TABLE_1
     total = np.zeros(3)
     dy = 2 * B / strips
     for y in -B + (np.arange(strips) + 0.5) * dy:
         edge = A * math.sqrt(1 - (y / B) ** 2)
         dx = 2 * edge / cells
-        traction = np.zeros(2)
+        traction = taken = np.zeros(2)
+        reached = edge
         for x in edge - (np.arange(cells) + 0.5) * dx:
-            traction -= dx * np.array([xi / L1 - phi * y / L3, eta / L2 + phi * x / L3])
+            middle = 0.5 * (reached + x)
+            slip = np.array([xi / L1 - phi * y / L3, eta / L2 + phi * middle / L3])
+            trial = traction - (reached - x) * slip - taken
+            reached = x
             bound = peak * (1 - (x / A) ** 2 - (y / B) ** 2)
-            if np.hypot(*traction) > bound:
-                traction *= bound / np.hypot(*traction)
+            traction = trial * (bound / max(bound, np.hypot(*trial)))
+            taken = trial - traction
             total += dx * dy * np.array([*traction, x * traction[1] - y * traction[0]])
     return total
 
 
-@given(creepages, creepages, st.floats(-5, 5), st.integers(1, 12), st.integers(1, 40))
+@given(creepages, creepages, spins, st.integers(1, 12), st.integers(1, 40))
 @example(0.0, 0.02, 0.0, 10, 10)
 @example(0.0, 0.004, 0.0, 1, 3)
 @example(0.001, -0.0032, 0.0, 12, 17)
@@ -215,11 +247,11 @@ def strip_by_strip(xi: float, eta: float, phi: float, peak: float, cells: int, s
 @settings(deadline=None)
 def test_strips_side_by_side_are_strips_one_by_one(xi: float, eta: float, phi: float, cells: int, strips: int) -> None:
     """The blocks of strips, and the sum that replaces them when all slides one way, against a plain loop: rounding."""
-    peak = MU * LOAD / bound_volume(A, B, cells, strips)
-    expected = strip_by_strip(xi, eta, phi, peak, cells, strips)
-    found = forces(xi, eta, phi, peak, A, B, *L_TABLE_1, cells, strips)
+    volume = bound_volume(A, B, cells, strips)
+    expected = strip_by_strip(xi, eta, phi, MU * LOAD / volume, cells, strips)
+    found = forces(xi, eta, phi, MU * LOAD, volume, A, B, *L_TABLE_1, cells, strips)
     arm = np.array([1, 1, A])
-    np.testing.assert_allclose(found / arm, expected / arm, atol=1e-12 * abs(expected / arm).max())
+    np.testing.assert_allclose(found / arm, expected / arm, atol=1e-11 * abs(expected / arm).max())
 
 
 def test_slopes_at_the_operating_point_in_closed_form() -> None:

@@ -9,22 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coupled import linear_contact, modes_of, rail_of
+from coupled import linear_contact, modes_of, rail_of, scheme_error
 from toy_fmus import toy_fmu, toy_ssd
 
+from fmus.modal.modes import Modes
 from fmus.wheel.class158 import identified_stiffness
 from fmus.wheel.component import wheel
 from orchestrator.cli import command_line
-from orchestrator.errors import InputError
 from orchestrator.runs.scenario import Scenario
-from orchestrator.stability.poles import closed_loop_poles, eigenvalues
-from orchestrator.stability.scheme import ModalSystem, modal_system, modes_from_parameters
-from orchestrator.stability.step_map import scheme_error, step_map
+from orchestrator.stability.linear_model import LinearModel, model_of_assembly
+from orchestrator.stability.poles import eigenvalues, exact_poles
+from orchestrator.stability.scheme import growth_of_scheme, largest_safe_step
+from orchestrator.stability.step_map import step_map
 
 
-def system(case: str, **how: Any) -> ModalSystem:
+def system(case: str, **how: Any) -> LinearModel:
     """Return the linear model of a case, found through its FMUs."""
-    return modal_system(Scenario(case, **how).prepare()[0])
+    return model_of_assembly(Scenario(case, **how).prepare()[0], 5e-6)
 
 
 @pytest.fixture(scope="module")
@@ -42,18 +43,18 @@ def case2(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def test_default_meets_its_targets(case: int) -> None:
     """5 us: every mode within 1 % or 0.05 1/s. 10 us: nothing invented, weakly damped modes within 0.5 1/s."""
     model = system(f"case{case}")
-    fine = model.at(5e-6, "staggered").modes
+    fine = growth_of_scheme(model, 5e-6, "staggered").modes
     assert fine.exact.size > 90
     assert ((abs(fine.error) < 0.05) | (abs(fine.error) < 0.01 * abs(fine.exact))).all()
-    coarse = model.at(10e-6, "staggered").modes
+    coarse = growth_of_scheme(model, 10e-6, "staggered").modes
     assert coarse.invented == 0
     assert coarse.largest_weak <= 0.5
-    assert model.at(10e-6, "staggered").safe
+    assert growth_of_scheme(model, 10e-6, "staggered").safe
 
 
 def test_model_from_fmus_is_the_model_from_components() -> None:
     """Two routes: parameters of the FMUs, and the components' data; rounding of eigenvalues of the order 1e5 1/s."""
-    found = system("case1").at(5e-6, "staggered").modes
+    found = growth_of_scheme(system("case1"), 5e-6, "staggered").modes
     expected = scheme_error(
         modes_of(wheel()), modes_of(rail_of(1)), linear_contact(1, hertz_stiffness=identified_stiffness()), 5e-6
     )
@@ -65,6 +66,8 @@ def test_values_that_are_set_count() -> None:
     """A mode's damping ratio and the friction coefficient, set as a user does, arrive in the model."""
     changed = system("case1", values={"wheel": {"damping_ratio_001": "0.01"}, "contact": {"mu0": "0"}})
     plain = system("case1")
+    assert isinstance(changed.wheel, Modes)
+    assert isinstance(plain.wheel, Modes)
     assert changed.wheel.zeta[0] == 0.01
     np.testing.assert_array_equal(changed.wheel.zeta[1:], plain.wheel.zeta[1:])
     assert changed.poles.growth_rate.max() < 1e-8  # without friction nothing grows
@@ -76,7 +79,7 @@ def test_eigenvalues_of_parts_are_those_of_the_whole() -> None:
     M = step_map(model.wheel, model.rail, model.contact, 5e-6)
     whole, parts = (np.sort_complex(np.round(e, 9)) for e in (np.linalg.eigvals(M), eigenvalues(M)))
     np.testing.assert_allclose(parts, whole, atol=1e-7)
-    direct = closed_loop_poles(model.wheel, model.rail, model.contact)
+    direct = exact_poles(model.wheel, model.rail, model.contact)
     np.testing.assert_allclose(np.sort(direct.growth_rate), np.sort(model.poles.growth_rate), atol=1e-5)
 
 
@@ -85,8 +88,8 @@ def test_eigenvalues_of_parts_are_those_of_the_whole() -> None:
 def test_every_scheme_converges_to_the_coupled_system(algorithm: str, displacements: bool) -> None:
     """At 0.1 us the growth rates are those without a step: nothing in a scheme is wrong by a constant."""
     plain = system("case3")
-    model = ModalSystem(plain.wheel, plain.rail, plain.contact, displacements)
-    fine, finer = (model.at(h, algorithm).modes.largest_weak for h in (2e-7, 1e-7))
+    model = LinearModel(plain.wheel, plain.rail, plain.contact, displacements)
+    fine, finer = (growth_of_scheme(model, h, algorithm).modes.largest_weak for h in (2e-7, 1e-7))
     assert finer < 0.6 * fine
     assert finer < 0.06
 
@@ -95,7 +98,8 @@ def test_staggered_is_the_only_one_of_second_order() -> None:
     """Why there is no further algorithm of second order: the default is, with this contact."""
     model = system("case3")
     error = {
-        a: [model.at(h, a).modes.largest_weak for h in (10e-6, 5e-6)] for a in ("staggered", "jacobi", "iterative")
+        a: [growth_of_scheme(model, h, a).modes.largest_weak for h in (10e-6, 5e-6)]
+        for a in ("staggered", "jacobi", "iterative")
     }
     order = {a: np.log2(coarse / fine) for a, (coarse, fine) in error.items()}
     assert order["staggered"] == pytest.approx(2, abs=0.25)
@@ -122,10 +126,10 @@ def test_json_names_modes_and_safe_steps(case2: dict[str, Any]) -> None:
 @pytest.mark.parametrize("algorithm", ["staggered", "jacobi"])
 def test_largest_safe_step_is_safe_and_a_third_more_is_not(algorithm: str) -> None:
     model = system("case4")
-    step = model.largest_safe_step(algorithm)
+    step = largest_safe_step(model, algorithm)
     assert step is not None
-    assert model.at(step, algorithm).safe
-    assert not model.at(1.33 * step, algorithm).safe
+    assert growth_of_scheme(model, step, algorithm).safe
+    assert not growth_of_scheme(model, 1.33 * step, algorithm).safe
 
 
 def test_table_is_printed_for_people(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -136,31 +140,13 @@ def test_table_is_printed_for_people(capsys: pytest.CaptureFixture[str], monkeyp
         assert word in out, out
 
 
-def test_systems_without_equations_get_a_sentence(
-    tmp_path: Path, built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_systems_without_a_contact_get_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     good = "self.y = 0.5 * self.u"
     ring = toy_ssd(tmp_path, toy_fmu(tmp_path, "One", good), toy_fmu(tmp_path, "Two", good))
-    own = Path(__file__).parents[3] / "examples" / "own_rail"
-    from pythonfmu.builder import FmuBuilder  # noqa: PLC0415 - only here
-
-    rail = Path(FmuBuilder.build_FMU(own / "own_rail.py", dest=tmp_path, needsExecutionTool=False))
-    ssd = tmp_path / "own_rail.ssd"
-    ssd.write_text((own / "own_rail.ssd").read_text())
-    for name in ("wheel", "contact"):
-        (tmp_path / f"{name}.fmu").write_bytes((built / f"{name}.fmu").read_bytes())
-    assert rail.is_file()
-    for file, sentence in ((ring, "no contact that takes interface mobilities"), (ssd, "rail")):
-        monkeypatch.setattr(sys, "argv", ["curvesqueal", "coupling", str(file), "--step", "1e-5"])
-        assert command_line() == 1
-        said = " ".join(capsys.readouterr().err.split())
-        assert "no growth rates can be given" in said, said
-        assert sentence in said
-
-
-def test_incomplete_modes_are_refused() -> None:
-    with pytest.raises(InputError, match="rail has no modes as parameters"):
-        modes_from_parameters("rail", {"stiffness": 1.0})
-    with pytest.raises(InputError, match="rail has a mode 001 without damping_ratio"):
-        modes_from_parameters("rail", {"frequency_001": 1.0})
-    assert len(modes_from_parameters("rail", {"step_size": 5e-6})) == 0
+    monkeypatch.setattr(sys, "argv", ["curvesqueal", "coupling", str(ring), "--step", "1e-5"])
+    assert command_line() == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "no growth rates can be given" in said, said
+    assert "no contact that takes interface mobilities" in said

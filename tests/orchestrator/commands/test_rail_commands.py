@@ -20,7 +20,7 @@ from fmus.rail.fit import error_frequencies, fit_errors
 from fmus.rail.track import track_receptance
 from fmus.rail.track_data import TRACKS, read_track
 from orchestrator.cli import rails as rail_app
-from orchestrator.commands.check import check
+from orchestrator.commands.systems.check import check
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.probing.rail import impulse_responses, read_mapping

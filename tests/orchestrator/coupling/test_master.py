@@ -211,7 +211,7 @@ def test_parameters_reach_the_components(case1: System) -> None:
         ("contact", "grid_cells", "2.5", r"parameter contact.grid_cells = 2.5: must be a whole number"),
         ("contact", "linear_spring", "maybe", r"must be true or false"),
         ("contact", "normal_force", "1", r"is no parameter but output"),
-        ("brake", "mu0", "1", r"--set brake: the system has no component 'brake'; it has wheel, rail, contact"),
+        ("brake", "mu0", "1", r"set brake: the system has no component 'brake'; it has wheel, rail, contact"),
     ],
 )
 def test_bad_parameters_are_one_sentence(case1: System, component: str, name: str, value: str, message: str) -> None:
@@ -261,7 +261,7 @@ def test_algebraic_loop_runs_with_jacobi_as_the_refusal_says(tmp_path: Path) -> 
     first, second = (toy_fmu(tmp_path, name, GOOD, feedthrough=True) for name in ("First", "Second"))
     turned = '<ssc:LinearTransformation factor="-1" offset="0"/>'
     system = read_system(toy_ssd(tmp_path, first, second, extra=turned))
-    with pytest.raises(InputError, match=r"algebraic loop: .* use --algorithm iterative or jacobi"):
+    with pytest.raises(InputError, match=r"algebraic loop: .* use the algorithm iterative or jacobi"):
         run(system, Settings(1e-4, 0.01))
     _, last = run(system, Settings(1e-4, 0.01, "jacobi"))
     assert sorted(last) == pytest.approx([0.4, 1.2], rel=1e-12)

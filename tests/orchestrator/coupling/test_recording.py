@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fmus.interface import DIRECTIONS
+from fmus.modal.parameters import modal_velocities
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError
-from orchestrator.results.columns import columns
 from orchestrator.results.file import ResultsFile, open_results
 from orchestrator.system.model import System
 from orchestrator.system.reader import read_system
@@ -36,7 +36,7 @@ def test_modal_velocities_add_up_to_the_velocity_of_the_contact_point(case1: Sys
     master = record(case1, tmp_path / "r.nc", record_every=3)
     wheel = master.parameters["wheel"]
     with open_results(tmp_path / "r.nc") as data:
-        names = columns("wheel", list(data.data_vars))
+        names = modal_velocities("wheel", data.data_vars)
         assert len(names) == 122
         assert data[names[0]].attrs["units"] == "kg^(1/2).m/s"
         assert np.allclose(data["time"], 1.5e-5 * np.arange(1, 67), rtol=1e-12)
@@ -54,7 +54,7 @@ def test_outputs_do_not_depend_on_what_is_recorded_besides(case1: System, tmp_pa
     record(case1, tmp_path / "all.nc", record_every=7)
     record(case1, tmp_path / "none.nc", record_every=7, record=())
     with open_results(tmp_path / "all.nc") as more, open_results(tmp_path / "none.nc") as plain:
-        assert columns("wheel", list(plain.data_vars)) == []
+        assert modal_velocities("wheel", plain.data_vars) == []
         for name in plain.data_vars:
             assert np.array_equal(more[name], plain[name]), name
 
@@ -76,11 +76,11 @@ def test_patterns_choose(case1: System, tmp_path: Path) -> None:
     """Two components at once, each with its own references."""
     record(case1, tmp_path / "r.nc", record=("rail.modal_velocity_*", "wheel.modal_velocity_01?"))
     with open_results(tmp_path / "r.nc") as data:
-        assert len(columns("wheel", list(data.data_vars))) == 10
-        rail = np.stack([data[name].to_numpy() for name in columns("rail", list(data.data_vars))])
+        assert len(modal_velocities("wheel", data.data_vars)) == 10
+        rail = np.stack([data[name].to_numpy() for name in modal_velocities("rail", data.data_vars)])
         assert np.abs(rail).max() > 0
 
 
 def test_pattern_without_a_match_is_refused(case1: System) -> None:
-    with pytest.raises(InputError, match=r"--record wheel\.velocity_\*: matches no output and no real local variable"):
+    with pytest.raises(InputError, match=r"record wheel\.velocity_\*: matches no output and no real local variable"):
         Master(assemble(case1), Settings(5e-6, 1e-3, record=("wheel.velocity_*",)))

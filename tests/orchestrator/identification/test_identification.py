@@ -26,7 +26,7 @@ from orchestrator.identification.growth import SCATTER, Limit, growth_limits
 from orchestrator.published.table4 import CASES, read_paper_table
 from orchestrator.stability.eigenloci import clockwise_crossings
 from orchestrator.stability.loop import Loop, linear_contact, of_modes, of_track, rigid
-from orchestrator.stability.poles import closed_loop_poles
+from orchestrator.stability.poles import exact_poles
 
 PRIOR_MODES = read_wheelset(PRIOR).modes
 RAIL = of_track(read_track(TRACKS / "default.toml"))
@@ -121,7 +121,7 @@ def test_growth_limits_are_those_of_the_whole_system() -> None:
     limits = growth_limits(PRIOR_MODES, free, rail.modes, [law] * 4, [Limit(4, 150.0, 300.0, 0.0, 10.0)])
     lateral, normal = (PRIOR_MODES.shape[free] @ law.turn.T)[:, 1:3].T
     excess = float(limits.residuals(lateral, normal)[0]) * SCATTER * 10.0
-    poles = closed_loop_poles(PRIOR_MODES, rail.modes.keep(np.zeros(0, dtype=int)), law)
+    poles = exact_poles(PRIOR_MODES, rail.modes.keep(np.zeros(0, dtype=int)), law)
     top = poles.growth_rate[(poles.frequency_hz > 150) & (poles.frequency_hz < 300)].max()
     assert excess + 10.0 == pytest.approx(top, abs=2.0)
 

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from fmus.rail.track_data import TRACKS, read_track
 from orchestrator.cli import app
-from orchestrator.commands.paper import paper
+from orchestrator.commands.pages.paper import paper
 from orchestrator.errors import InputError
 from orchestrator.paper.claims import straight_web_instabilities
 from orchestrator.paper.consistency_proof import proof

@@ -6,10 +6,11 @@ import json
 
 import numpy as np
 import pytest
+from coupled import scheme_error
 
 from fmus.wheel.class158 import identified_stiffness
 from fmus.wheel.wheelset import DATA, read_wheelset
-from orchestrator.commands.stability import as_json
+from orchestrator.commands.analysis.stability import as_json
 from orchestrator.paper.consistency import Consistency, consistency
 from orchestrator.paper.table4 import Cell, Table4, compare, find_table4
 from orchestrator.published.table4 import CASES, CELL_MODES, TABLE4, read_paper_table
@@ -17,8 +18,7 @@ from orchestrator.stability.analysis import Instability, Stability, without_norm
 from orchestrator.stability.cases import find_rail, find_stability, find_wheel
 from orchestrator.stability.eigenloci import Crossing
 from orchestrator.stability.loop import linear_contact, of_track
-from orchestrator.stability.poles import closed_loop_poles
-from orchestrator.stability.step_map import scheme_error
+from orchestrator.stability.poles import exact_poles
 
 PAPER = read_paper_table()
 
@@ -141,7 +141,7 @@ def test_without_its_normal_displacement_a_mode_is_stable_in_case_3(mode: str) -
     law = linear_contact({"falling_ratio": 0.0, **wheel.contact})
     changed = without_normal_motion(wheel.modes, mode, law)
     assert rail.modes is not None
-    poles = closed_loop_poles(changed, rail.modes, law)
+    poles = exact_poles(changed, rail.modes, law)
     natural = PAPER.natural_frequency_hz[CELL_MODES.index(mode)]
     assert not (np.abs(poles.unstable().frequency_hz / natural - 1) < 0.02).any()
 
@@ -204,7 +204,7 @@ def test_straight_web_without_contact_angle_is_stable_under_constant_friction_wi
     wheel, rail = read_wheelset(DATA / "straight840.toml").modes, find_rail("modal")
     law = linear_contact({"falling_ratio": 0.0, "contact_angle": 0.0, "hertz_stiffness": identified_stiffness()})
     assert rail.modes is not None
-    poles = closed_loop_poles(wheel, rail.modes, law)
+    poles = exact_poles(wheel, rail.modes, law)
     assert poles.unstable().below(4500).frequency_hz.size == 0
 
 

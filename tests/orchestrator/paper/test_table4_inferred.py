@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coupled import scheme_error
 
 from fmus.cases import read_cases
 from orchestrator.errors import InputError
@@ -12,7 +13,6 @@ from orchestrator.published.table4 import CASES
 from orchestrator.stability.analysis import Stability
 from orchestrator.stability.cases import find_rail, find_stability, find_wheel
 from orchestrator.stability.loop import linear_contact
-from orchestrator.stability.step_map import scheme_error
 
 COUNTS = {1: 8, 2: 7, 3: 6, 4: 2}
 """Unstable frequencies in Table 4."""
@@ -95,7 +95,7 @@ def test_the_master_steps_the_inferred_cases_exactly_enough(case: int) -> None:
 
 
 def test_an_unknown_family_is_refused() -> None:
-    with pytest.raises(InputError, match="--cases guessed: must be printed or inferred"):
+    with pytest.raises(InputError, match="cases guessed: must be printed or inferred"):
         find_table4(cases_of="guessed")
 
 

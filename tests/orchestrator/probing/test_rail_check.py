@@ -13,7 +13,7 @@ import pytest
 from fmus.modal.modes import Modes
 from fmus.packaging.python.fmu import build_python_fmu
 from fmus.rail.component import rail
-from orchestrator.commands.check import as_data
+from orchestrator.commands.systems.check import as_data
 from orchestrator.errors import InputError
 from orchestrator.figures.rail_check import write_mobility
 from orchestrator.fmi.instance import open_fmu
@@ -198,5 +198,5 @@ def test_factors_of_a_mapping(built: Path) -> None:
 
 
 def test_a_step_that_makes_no_sense_is_refused(built: Path) -> None:
-    with pytest.raises(InputError, match="--step 1: must be from 1e-9 to 1e-2 s"):
+    with pytest.raises(InputError, match="step 1: must be from 1e-9 to 1e-2 s"):
         check_rail(built / "rail.fmu", step=1.0)

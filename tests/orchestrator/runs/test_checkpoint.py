@@ -96,7 +96,7 @@ def test_a_killed_process_is_resumed_by_another(tmp_path: Path) -> None:
 def test_an_fmu_that_cannot_be_kept_is_refused_before_the_run(tmp_path: Path) -> None:
     file = state_space_fmu(tmp_path, "lost", StateSpace([[-1]], [[1]], [[1]]), keeps_state=False)
     ssd = write_ssd(tmp_path / "s.ssd", {"a": file}, [("a.y[1]", "a.u[1]")])
-    with pytest.raises(InputError, match=r"--checkpoint: a \(lost.fmu\) cannot serialise its state"):
+    with pytest.raises(InputError, match=r"checkpoint: a \(lost.fmu\) cannot serialise its state"):
         run_scenario(Scenario(str(ssd), step=0.1, duration=1.0), tmp_path / "r", QUIET, Keeping(tmp_path / "c"))
     assert not (tmp_path / "r").exists()
 

@@ -98,7 +98,7 @@ def test_runs_are_kept_and_not_made_again(tmp_path: Path) -> None:
 def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "competition-case1.jsonl"
     path.write_text('{"hello": 1}\n')
-    with pytest.raises(InputError, match="line 1: is no trial of a competition; give another --out"):
+    with pytest.raises(InputError, match="line 1: is no trial of a competition; give another folder"):
         read_endings(path)
 
 

@@ -97,6 +97,6 @@ def test_what_cannot_be_heard_is_refused(run: xr.Dataset) -> None:
     with pytest.raises(InputError, match=r"lasts 0.02 s; a sound needs at least 0.1 s"):
         pressure_of(run.isel(time=slice(1000)))
     with pytest.raises(
-        InputError, match=r"recorded at 10000 Hz, too slow for modes up to 64\d\d Hz; .*--record-every 15 "
+        InputError, match=r"recorded at 10000 Hz, too slow for modes up to 64\d\d Hz; .*record-every 15 "
     ):
         pressure_of(run.isel(time=slice(None, None, 5)))

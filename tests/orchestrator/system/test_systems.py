@@ -24,7 +24,7 @@ from block_systems import (
 )
 from rich.console import Console
 
-from orchestrator.commands.info import tables
+from orchestrator.commands.systems.info import tables
 from orchestrator.coupling.assembly import assemble
 from orchestrator.errors import InputError
 from orchestrator.stability.cases import system_inputs

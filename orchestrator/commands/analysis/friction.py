@@ -8,8 +8,8 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from ..system.cases import built_ssp
-from .tools import Json, screen
+from ...system.cases import built_ssp
+from ..tools import Json, screen
 
 
 def friction(
@@ -18,9 +18,9 @@ def friction(
     json: Json = False,
 ) -> None:
     """Draw the two friction curves of the paper, its figure 5, from the contact FMU."""
-    from ..archive import unpack  # noqa: PLC0415
-    from ..figures.friction import draw_friction  # noqa: PLC0415
-    from ..probing.friction_curve import friction_curve  # noqa: PLC0415
+    from ...archive import unpack  # noqa: PLC0415
+    from ...figures.friction import draw_friction  # noqa: PLC0415
+    from ...probing.friction_curve import friction_curve  # noqa: PLC0415
 
     fmu = contact or unpack(built_ssp(), "SSP") / "resources" / "contact.fmu"
     creepage = np.concatenate([np.linspace(0.0, 0.006, 61), np.linspace(0.0065, 0.05, 88)])

@@ -12,10 +12,10 @@ from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from ..errors import InputError
-from ..figures.rail_check import FREQUENCIES
-from ..probing.rail_check import RailReport
-from .tools import Json, screen, user_mistakes
+from ...errors import InputError
+from ...figures.rail_check import FREQUENCIES
+from ...probing.rail_check import RailReport
+from ..tools import Json, screen, user_mistakes
 
 
 def check(
@@ -33,8 +33,8 @@ def check(
 
     Prints pass, fail or not offered for each demand and draws the mobility; fails if one fails.
     """
-    from ..figures.rail_check import write_mobility  # noqa: PLC0415
-    from ..probing.rail_check import check_rail  # noqa: PLC0415
+    from ...figures.rail_check import write_mobility  # noqa: PLC0415
+    from ...probing.rail_check import check_rail  # noqa: PLC0415
 
     if kind != "rail":
         raise InputError(f"--as {kind}: must be rail")

@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputError, SimulationError
-from .tools import Json, say, screen
+from fmus.errors import DataError
+
+from ...errors import InputError, SimulationError
+from ..tools import Json, say, screen
 
 
 def build(
@@ -39,7 +41,7 @@ def build(
         for target in chosen:
             say(str(target))
             building.build(out / target.flavour if len(chosen) > 1 else out, target, report)
-    except ValueError as error:
+    except DataError as error:
         raise InputError(str(error)) from None
     except RuntimeError as error:
         raise SimulationError(f"build: {error}") from None

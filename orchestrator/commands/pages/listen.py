@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from .tools import Force, Json, require_free, require_suffix, screen
+from ..tools import Force, Json, require_free, require_suffix, screen
 
 if TYPE_CHECKING:  # xarray takes a second to import
-    from ..sound.levels import Sound
+    from ...sound.levels import Sound
 
 Wheel = Annotated[
     str | None, typer.Option(help="Wheelset whose radiating areas to take; default: the one of the results.")
@@ -29,10 +29,10 @@ def listen(
     json: Json = False,
 ) -> None:
     """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it."""
-    from ..results.file import open_results  # noqa: PLC0415
-    from ..sound.levels import RailSound, sound_of  # noqa: PLC0415 - loads scipy and xarray
-    from ..sound.radiation import Radiation  # noqa: PLC0415
-    from ..sound.wav import pressure_of, write_wav  # noqa: PLC0415
+    from ...results.file import open_results  # noqa: PLC0415
+    from ...sound.levels import RailSound, sound_of  # noqa: PLC0415 - loads scipy and xarray
+    from ...sound.radiation import Radiation  # noqa: PLC0415
+    from ...sound.wav import pressure_of, write_wav  # noqa: PLC0415
 
     path = results.with_suffix(".wav") if out is None else out
     require_suffix(path, (".wav",))

@@ -12,7 +12,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from .tools import Json, messages, screen
+from ..tools import Json, messages, screen
 
 
 def competition(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -39,9 +39,9 @@ def competition(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Stopped half-way, it keeps what is done; called again, it goes on from there.
     """
-    from ..figures.competition import draw_competition  # noqa: PLC0415
-    from ..runs.competition import compete, plan  # noqa: PLC0415 - loads scipy
-    from ..runs.stopping import stop_on_signals  # noqa: PLC0415
+    from ...figures.competition import draw_competition  # noqa: PLC0415
+    from ...runs.competition import compete, plan  # noqa: PLC0415 - loads scipy
+    from ...runs.stopping import stop_on_signals  # noqa: PLC0415
 
     trials = [
         replace(trial, duration=duration, step=step)
@@ -73,7 +73,7 @@ def competition(  # noqa: PLR0913, PLR0917 - one argument per option
 
 def _groups(endings: list[Any]) -> dict[str, list[Any]]:
     """Return the tones by what was common to their starts, in words."""
-    from ..signals.tones import tones  # noqa: PLC0415
+    from ...signals.tones import tones  # noqa: PLC0415
 
     words: dict[str, list[Any]] = {}
     for ending in sorted(endings, key=lambda e: (e.trial.stiffness or 0, e.trial.start_hz or 0)):

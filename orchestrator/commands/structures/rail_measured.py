@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
+from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 from .rail import write_rail
-from .tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 
 if TYPE_CHECKING:
     from fmus.measured.selection import Choice

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.tree import Tree
 
-from .tools import Json, screen
+from ..tools import Json, screen
 
 _COLUMNS = ("name", "causality", "type", "unit", "start", "description")
 
@@ -86,8 +86,8 @@ def _variables(variables: list[dict[str, Any]]) -> Table:
 
 
 def _family(name: str) -> str:
-    """Return the name of a numbered variable without its number."""
-    return re.sub(r"_\d+$", "_*", name)
+    """Return the name of a numbered variable, or of an array's element, without its number."""
+    return re.sub(r"_\d+$|\[[\d,]+\]$", "_*", name)
 
 
 def info(
@@ -95,7 +95,7 @@ def info(
     json: Json = False,
 ) -> None:
     """Show what is inside an FMU or a system."""
-    from ..system.inspection import describe  # noqa: PLC0415 - keeps the start of the other commands short
+    from ...system.inspection import describe  # noqa: PLC0415 - keeps the start of the other commands short
 
     description = describe(file)
     if json:

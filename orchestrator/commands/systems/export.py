@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ..coupling.algorithms import ALGORITHMS
-from ..errors import InputError
-from ..runs.scenario import Scenario
-from .tools import Force, Json, Replace, Seed, Values, messages, parse_sources, parse_values, screen, user_mistakes
+from ...coupling.algorithms import ALGORITHMS
+from ...errors import InputError
+from ...runs.scenario import Scenario
+from ..tools import Force, Json, Replace, Seed, Values, messages, parse_sources, parse_values, screen, user_mistakes
 
 
 def export(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -32,7 +32,7 @@ def export(  # noqa: PLR0913, PLR0917 - one argument per option
 
     The archive is flat and complete: FMUs, one parameter set per component, connections, step size and algorithm.
     """
-    from ..runs.export import export_system  # noqa: PLC0415 - keeps the start of the other commands short
+    from ...runs.export import export_system  # noqa: PLC0415 - keeps the start of the other commands short
 
     if out.suffix != ".ssp":
         raise InputError(f"{out}: must end with .ssp")

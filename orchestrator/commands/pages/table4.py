@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from ..paper.table4 import Cell, find_table4
-from .stability import RailOption, WheelOption
-from .tools import Json, screen
+from ...paper.table4 import Cell, find_table4
+from ..analysis.stability import RailOption, WheelOption
+from ..tools import Json, screen
 
 CasesOption = Annotated[
     str, typer.Option("--cases", help="printed: case1 to case4; inferred: inferred1 to inferred4.", metavar="FAMILY")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .tools import Json, screen
+from ..tools import Json, screen
 
 
 def report(
@@ -16,7 +16,7 @@ def report(
     json: Json = False,
 ) -> None:
     """Write one self-contained HTML page about runs: words, the paper's numbers next to ours, figures, sound."""
-    from ..report.page import write_report  # noqa: PLC0415 - loads scipy, xarray and the stability analysis
+    from ...report.page import write_report  # noqa: PLC0415 - loads scipy, xarray and the stability analysis
 
     page = write_report(results, out)
     if json:

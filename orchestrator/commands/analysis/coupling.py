@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from ..errors import InputError
-from ..runs.scenario import Scenario
-from .tools import Json, Replace, Values, parse_sources, parse_values, screen
+from ...errors import InputError
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
 
 
 def coupling(
@@ -29,13 +29,14 @@ def coupling(
     Eigenvalues of the linearised step map against those of the coupled system, modes below 5 kHz. A step is safe while
     it makes no stable mode unstable and weakly damped modes are right to 0.5 1/s.
     """
-    from ..stability.scheme import TOLERATED, as_json, modal_system  # noqa: PLC0415 - keeps the start of the other commands short
-    from ..stability.step_map import BELOW_HZ, WEAK  # noqa: PLC0415
+    from ...stability.linear_model import model_of_assembly  # noqa: PLC0415
+    from ...stability.scheme import TOLERATED, as_json  # noqa: PLC0415 - keeps the start of the other commands short
+    from ...stability.step_map import BELOW_HZ, WEAK  # noqa: PLC0415
 
     scenario = Scenario(system, step=step, values=parse_values(values or []), sources=parse_sources(replace or []))
     assembly, settings = scenario.prepare()
     try:
-        data = as_json(modal_system(assembly), settings.step)
+        data = as_json(model_of_assembly(assembly, settings.step), settings.step)
     except InputError as reason:
         raise InputError(f"{system}: no growth rates can be given: {reason}") from None
     if json:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from ..errors import InputError
-from .tools import Force, Json, require_free, require_suffix, screen, user_mistakes
+from ...errors import InputError
+from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 
 if TYPE_CHECKING:
     from fmus.modal.data import ModalData
@@ -68,7 +68,7 @@ def figures(
     from fmus.rail.component import DATA  # noqa: PLC0415
     from fmus.rail.track_data import read_track  # noqa: PLC0415
 
-    from ..figures.receptance import modal_rails, receptance_errors, write_receptance  # noqa: PLC0415
+    from ...figures.receptance import modal_rails, receptance_errors, write_receptance  # noqa: PLC0415
 
     with user_mistakes():
         the_track = read_track(track_file(track))

@@ -14,14 +14,14 @@ from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from ..coupling import master
-from ..coupling.algorithms import ALGORITHMS
-from ..coupling.recording import patterns
-from ..errors import SimulationError
-from ..runs import run as running
-from ..runs.outcome import Outcome, as_json
-from ..runs.scenario import Scenario
-from .tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
+from ...coupling import master
+from ...coupling.algorithms import ALGORITHMS
+from ...coupling.recording import patterns
+from ...errors import SimulationError
+from ...runs import run as running
+from ...runs.outcome import Outcome, as_json
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
 
 Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
 

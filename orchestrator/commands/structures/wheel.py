@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import InputError
-from .tools import Force, Json, require_free, require_suffix, screen, user_mistakes
+from ...errors import InputError
+from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 
 if TYPE_CHECKING:
     from fmus.wheel.imported import UffAxes
@@ -63,7 +63,7 @@ def figures(
     json: Json = False,
 ) -> None:
     """Draw cross-sections and mode shapes of the shipped wheels (Fig. 6)."""
-    from ..figures.wheel import write_figures  # noqa: PLC0415
+    from ...figures.wheel import write_figures  # noqa: PLC0415
 
     out.mkdir(parents=True, exist_ok=True)
     written = [str(path) for path in write_figures(out)]

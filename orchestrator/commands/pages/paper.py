@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputError
-from ..paper.page import PARTS, PICTURES, Item, write_page
-from .tools import Json, screen
+from ...errors import InputError
+from ...paper.page import PARTS, PICTURES, Item, write_page
+from ..tools import Json, screen
 
 
 def paper(
@@ -43,7 +43,7 @@ def _makers(results: Path, only: str | None) -> dict[str, Callable[[Path], Seque
     InputError
         For an unknown part, or the time domain without its results.
     """
-    from ..paper import frequency_domain, time_domain  # noqa: PLC0415 - load matplotlib and finite elements
+    from ...paper import frequency_domain, time_domain  # noqa: PLC0415 - load matplotlib and finite elements
 
     if only is not None and only not in PARTS:
         raise InputError(f"--only {only}: must be one of {', '.join(PARTS)}")

@@ -9,11 +9,9 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from ..stability.analysis import REPORTED_BELOW_HZ, Stability
-from ..stability.cases import (
-    find_stability,
-)
-from .tools import Json, screen
+from ...stability.analysis import REPORTED_BELOW_HZ, Stability
+from ...stability.cases import find_stability
+from ..tools import Json, screen
 
 RailOption = Annotated[
     str | None, typer.Option(help="analytic (default for a case), modal, or an .fmu file; a rigid rail stays rigid.")
@@ -43,7 +41,7 @@ def stability(
     """
     result = find_stability(case, rail, wheel)
     if out is not None:
-        from ..figures.stability import draw_stability  # noqa: PLC0415 - pictures are not always wanted
+        from ...figures.stability import draw_stability  # noqa: PLC0415 - pictures are not always wanted
 
         out.parent.mkdir(parents=True, exist_ok=True)
         draw_stability(result, case).savefig(out, dpi=200)

@@ -1,0 +1,1 @@
+"""Commands that find out: stability, coupling, friction, competition."""

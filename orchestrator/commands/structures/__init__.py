@@ -1,0 +1,1 @@
+"""Commands about rails and wheels: data in, modes and FMUs out."""

@@ -1,0 +1,1 @@
+"""Commands about systems and FMUs: build, run, resume, info, export, check."""
