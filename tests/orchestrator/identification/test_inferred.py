@@ -188,6 +188,16 @@ def test_reported_deviations_are_those_of_least_squares(misfit: Misfit, shipped:
         assert width[2 * len(FREE_MODES) + k] == pytest.approx(REPORT["free"][name]["deviation"], rel=0.1)
 
 
+def test_table_4_rejects_the_printed_slope() -> None:
+    """The best slope factors are between 0.15 and 0.4; the printed one, 1, costs more than ten times as much."""
+    profile = {row["slope_factor"]: row for row in REPORT["profile"]}
+    lowest = min(profile, key=lambda s: profile[s]["cost"])
+    assert 0.15 < lowest < 0.4
+    assert profile[1.0]["cost"] > 10 * profile[lowest]["cost"]
+    assert profile[1.0]["rms_ln_gain"] > 0.1
+    assert 0.15 < REPORT["free"]["slope_factor"]["value"] < 0.4
+
+
 def test_files_are_what_the_command_writes(misfit: Misfit, shipped: FreeWheel, tmp_path: Path) -> None:
     """The wheel comes back from its free numbers; rotation and logarithms leave rounding."""
     write_inferred(tmp_path, misfit, [Found(0, misfit.prior.vector(shipped), 0.0, True)])
