@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-slow lint types layers fix fmus ssp data figures paper bench clean
+.PHONY: help run test test-slow hosts lint types layers fix fmus ssp data figures paper bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -22,6 +22,9 @@ test: lint types layers  ## lint, types, layers, tests and doctests
 
 test-slow: .venv/developer  ## the tests that take minutes
 	$(BIN)/python -m pytest -n 2 -m slow
+
+hosts: .venv/developer  ## an environment of its own for hosts that want other versions of what is used here
+	test -x .venv/hosts/bin/python || { $(PYTHON) -m venv .venv/hosts && .venv/hosts/bin/pip install --quiet "cofmupy>=1.0"; }
 
 lint: .venv/developer  ## style and errors (ruff)
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -53,7 +56,7 @@ paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper 
 	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios
-	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py
+	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py && $(BIN)/python benchmarks/setup.py
 
 clean:  ## remove what was built
 	rm -rf build results .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis

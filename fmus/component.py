@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -99,6 +99,23 @@ class Component:
     def of(self, causality: str) -> tuple[Variable, ...]:
         """Return the variables of one causality, in order."""
         return tuple(v for v in self.variables if v.causality == causality)
+
+    def with_starts(self, values: Mapping[str, float]) -> Component:
+        """Return the component with other start values of some parameters, by name; checked.
+
+        Raises
+        ------
+        DataError
+            For an unknown parameter or a value out of range.
+        """
+        unknown = next((name for name in values if name not in self.parameter_index), None)
+        if unknown is not None:
+            raise DataError(f"{self.name} has no parameter {unknown!r}")
+        variables = tuple(
+            replace(v, start=v.check(values[v.name])) if v.name in values and v.causality == "parameter" else v
+            for v in self.variables
+        )
+        return replace(self, variables=variables)
 
     @cached_property
     def parameter_index(self) -> dict[str, int]:

@@ -1,6 +1,6 @@
 """The master: reads a system, loads its FMUs, couples them at a fixed step, and says what came out.
 
-As a library it is `load`, `simulate` and `resume`; see `orchestrator.library`.
+As a library it is `load`, `simulate`, `resume` and `cycles`; see `orchestrator.library`.
 """
 
 from importlib import import_module
@@ -11,13 +11,17 @@ from .errors import InputError, SimulationError
 
 if TYPE_CHECKING:
     from .coupling.master import Progress
-    from .library import load, resume, simulate
+    from .library import cycles, load, plot_cycles, resume, simulate
+    from .limit_cycles.catalogue import Catalogue
     from .runs.outcome import Outcome
     from .runs.scenario import Scenario
 
 __version__ = version("curvesqueal")
 
-__all__ = ["InputError", "Outcome", "Progress", "Scenario", "SimulationError", "load", "resume", "simulate"]
+__all__ = [
+    "Catalogue", "InputError", "Outcome", "Progress", "Scenario", "SimulationError", "cycles", "load", "plot_cycles",
+    "resume", "simulate",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

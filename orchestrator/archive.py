@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from lxml import etree
 from platformdirs import user_cache_path
 
-from .errors import InputError
+from .errors import Fault, InputError
 
 LARGEST_CONTENT = 2 << 30
 """Largest total size of an unpacked archive [bytes]."""
@@ -76,6 +76,16 @@ def unpack(path: Path, what: str) -> Path:
     return target
 
 
+_FOLDER_ITSELF = ("./", ".\\")
+
+
+def zip_faults(path: Path) -> list[Fault]:
+    """Return what is odd about the entries of an archive though they can be unpacked."""
+    with zipfile.ZipFile(path) as archive:
+        odd = [name for name in archive.namelist() if name in _FOLDER_ITSELF]
+    return [Fault(f"{path}: entry {name!r} is the folder itself") for name in odd]
+
+
 def cache_folder() -> Path:
     """Return the folder for unpacked archives; CURVESQUEAL_CACHE names another one.
 
@@ -98,6 +108,8 @@ def _check_entries(archive: zipfile.ZipFile, path: Path) -> None:
     names: set[str] = set()
     for entry in entries:
         name = PurePosixPath(entry.filename.replace("\\", "/"))
+        if entry.filename in _FOLDER_ITSELF:
+            continue
         if not name.parts or name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
             raise InputError(f"{path}: entry {entry.filename!r} would be unpacked outside the folder; refused")
         if str(name) in names:

@@ -42,6 +42,11 @@ COMMANDS: Table = {
         "Show what each master algorithm does to the growth rates, mode by mode.",
     ),
     "stability": ("analysis.stability", "Find the unstable frequencies of a case or of a system of FMUs."),
+    "cycle": (
+        "analysis.cycle",
+        "Find every tone that a system can squeal at and whether it lasts, by harmonic balance.",
+    ),
+    "curve": ("analysis.curve", "Find how a bogie runs through a curve, and which of its wheels squeals."),
     "table4": (
         "pages.table4:table4",
         "Print Table 4 of the paper next to ours, cell by cell.",
@@ -59,7 +64,9 @@ RAIL_COMMANDS: Table = {
     "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("structures.wheel", "Build a wheel FMU from modal data."),
+    "build": ("structures.wheel", "Build a wheel FMU from modal data or finite elements."),
+    "treat": ("structures.wheel_treat", "Write a wheel with tuned absorbers or more damping."),
+    "measured": ("structures.wheel_measured", "Fit a passive modal wheel to measured functions."),
     "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70
@@ -152,6 +159,14 @@ def command_line() -> int:
     return 0
 
 
+def keep_standard_output() -> None:
+    """Keep the standard output for what commands print; what FMUs print goes to the error stream."""
+    sys.stdout.flush()
+    own = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(own, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
+
+
 def _failed(sentence: str, code: int) -> int:
     sys.stderr.write(f"{sentence}\n")
     return code
@@ -163,6 +178,7 @@ def main() -> None:
     PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
     it anyway: the libraries of FMUs get no chance to do more.
     """
+    keep_standard_output()
     code = command_line()
     sys.stdout.flush()
     sys.stderr.flush()

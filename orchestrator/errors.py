@@ -5,5 +5,11 @@ class InputError(Exception):
     """The user gave something that cannot be used: a file, a name, a value."""
 
 
+class Fault(str):
+    """A notice: what a file has wrong, though it changes no number. Strict reading makes an `InputError` of it."""
+
+    __slots__ = ()
+
+
 class SimulationError(Exception):
     """A component failed during the run; what was computed until then is kept."""

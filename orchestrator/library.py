@@ -6,7 +6,7 @@ Five lines do it:
 >>> scenario = load("case1", duration=0.002, values={"contact": {"mu0": 0.35}})
 >>> run = simulate(scenario, folder=folder)
 >>> run.data["wheel.v_lat"].sizes["time"]
-100
+101
 >>> run.spurious.largest < 5  # growth-rate error of the scheme below 5 kHz [1/s]
 True
 """
@@ -16,9 +16,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from .coupling.master import Progress
 from .errors import SimulationError
+from .figures.cycles import draw_cycle, draw_cycles
 from .fmi.file import Value
+from .limit_cycles.catalogue import NEAR, Catalogue
+from .limit_cycles.search import cycles_of
 from .runs.outcome import Outcome
 from .runs.run import Keeping, Report, run_scenario
 from .runs.run import resume as _resume
@@ -36,6 +41,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     seed: int | None = None,
     record_every: int = 4,
     timeout: float | None = None,
+    strict: bool = False,
 ) -> Scenario:
     """Return a scenario that can be simulated; everything in it is checked.
 
@@ -51,6 +57,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     record_every : record after every this many steps
     timeout : each FMU in a process of its own, and the time that a call may take [s]; a script needs
         `if __name__ == "__main__":` then
+    strict : refuse files with faults that change no number, which are told otherwise
 
     Raises
     ------
@@ -67,6 +74,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
         seed=seed,
         record_every=record_every,
         timeout=timeout,
+        strict=strict,
     )
     scenario.prepare()
     return scenario
@@ -117,6 +125,45 @@ def resume(
 ) -> Outcome:
     """Go on with a run from its checkpoint, to the bit as if it had never stopped; parameters as for `simulate`."""
     return _complete(_resume(Path(checkpoint), Report(progress, notice, picture=False), checkpoint_every))
+
+
+def cycles(
+    scenario: Scenario | str,
+    *,
+    tone_hz: float | None = None,
+    with_stability: bool = True,
+    down_to: float = NEAR,
+    progress: Callable[[str, int, int], None] = lambda _what, _done, _all: None,
+) -> Catalogue:
+    """Return every tone that a system can squeal at, computed as a limit cycle, without time stepping.
+
+    Parameters
+    ----------
+    scenario : what `load` returned, or the name of a case
+    tone_hz : only the tone near this frequency [Hz]
+    with_stability : whether to judge if each tone lasts
+    down_to : growth rate down to which stable poles are followed, too [1/s]; -60 for all tones that are known
+    progress : called with what is being done, and how much of how much is done
+
+    Returns
+    -------
+    A catalogue whose `.cycles` have frequency, levels, forces over a period, exponents and fate; arrays in SI.
+
+    Raises
+    ------
+    InputError
+        If there is no tone, none at the frequency asked for, or the system's behaviour is not known.
+    """
+    chosen = load(scenario) if isinstance(scenario, str) else scenario
+    assembly, settings = chosen.prepare()
+    return cycles_of(
+        assembly, settings.step, tone_hz=tone_hz, with_stability=with_stability, down_to=down_to, report=progress
+    )
+
+
+def plot_cycles(found: Catalogue, tone_hz: float | None = None, title: str = "") -> Figure:
+    """Return a figure of all tones, or of the one near a frequency [Hz]."""
+    return draw_cycles(found, title) if tone_hz is None else draw_cycle(found.near(tone_hz), title)
 
 
 def _complete(outcome: Outcome) -> Outcome:

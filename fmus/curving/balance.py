@@ -29,7 +29,8 @@ def unscale(parameters, derived, unknowns, at):  # type: ignore[no-untyped-def]
     """Put the unknowns, which are in mm, mrad and axle loads, into `derived` in SI units from position `at`."""
     for i in range(N):
         derived[at + i] = 1e-3 * unknowns[i]
-    for axle in (0, PER_AXLE):
+    for i in range(2):
+        axle = i * PER_AXLE
         derived[at + axle + X.load_left] = parameters[P.axle_load] * unknowns[axle + X.load_left]
         derived[at + axle + X.load_right] = parameters[P.axle_load] * unknowns[axle + X.load_right]
 
@@ -85,7 +86,9 @@ def add_up(parameters, derived, curvature, load, out):  # type: ignore[no-untype
     relative = frame_yaw + side * curvature * parameters[P.half_bogie_spacing]
     body_moment = -parameters[P.secondary_yaw_stiffness] * relative
     if parameters[P.secondary_friction_moment] != 0.0:
-        body_moment -= parameters[P.secondary_friction_moment] * math.tanh(relative / _SMOOTH)
+        fading = math.expm1(-2.0 * abs(relative) / _SMOOTH)  # tanh by what C's mathematics has everywhere
+        friction = -parameters[P.secondary_friction_moment] * fading / (2.0 + fading)
+        body_moment -= friction if relative > 0.0 else -friction
     derived[out + FRAME_Y] = (load - force_sum) / weight
     derived[out + FRAME_YAW] = (body_moment - moment_sum) / (weight * l0)
 

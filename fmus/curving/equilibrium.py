@@ -32,7 +32,8 @@ def start_straight(unknowns):  # type: ignore[no-untyped-def]
     """Put the solution on straight track into the unknowns: half the load on each wheel."""
     for i in range(N):
         unknowns[i] = 0.0
-    for axle in (0, PER_AXLE):
+    for i in range(2):
+        axle = i * PER_AXLE
         unknowns[axle + X.load_left] = 0.5
         unknowns[axle + X.load_right] = 0.5
 
@@ -89,7 +90,7 @@ def _find_direction(parameters, derived, unknowns, curvature, load, mu):  # type
     width = N + 1
     unscale(parameters, derived, unknowns, D.trial)
     for j in range(N):
-        axle = j // PER_AXLE
+        axle = 0 if j < PER_AXLE else 1 if j < 2 * PER_AXLE else 2
         x = D.trial + axle * PER_AXLE
         unit = 1e-3 if axle > 1 or j - axle * PER_AXLE < X.load_left else parameters[P.axle_load]
         kept = derived[D.trial + j]
@@ -151,7 +152,8 @@ def newton(parameters, derived, unknowns, curvature, load, mu):  # type: ignore[
 @kernel
 def _carries(unknowns):  # type: ignore[no-untyped-def]
     """Return whether every wheel is pressed onto its rail."""
-    for axle in (0, PER_AXLE):
+    for i in range(2):
+        axle = i * PER_AXLE
         if unknowns[axle + X.load_left] <= 0.0 or unknowns[axle + X.load_right] <= 0.0:
             return False
     return True

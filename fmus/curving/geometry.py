@@ -14,10 +14,7 @@ from .parameters import N_FIXED, P
 
 @kernel
 def prepare_table(parameters, derived):  # type: ignore[no-untyped-def]
-    """Put Kalker's coefficients, and values and slopes of the table's columns, into `derived`."""
-    derived[D.constants], derived[D.constants + 1], derived[D.constants + 2] = creepage_coefficients(
-        parameters[P.semi_axis_lon], parameters[P.semi_axis_lat], parameters[P.poisson_ratio]
-    )
+    """Put values and slopes of the table's columns, and Kalker's coefficients, into `derived`."""
     n = (parameters.size - N_FIXED) // N_COLUMNS
     step = parameters[P.table_spacing]
     for i in range(n):
@@ -72,8 +69,9 @@ def find_geometry(parameters, derived, shift, at):  # type: ignore[no-untyped-de
     derived[at + G.semi_axis_lon] = parameters[P.semi_axis_lon]
     derived[at + G.semi_axis_lat] = parameters[P.semi_axis_lat]
     derived[at + G.hertz_stiffness] = parameters[P.hertz_stiffness]
-    for i in range(3):
-        derived[at + G.c11 + i] = derived[D.constants + i]
+    derived[at + G.c11] = parameters[P.c11]
+    derived[at + G.c22] = parameters[P.c22]
+    derived[at + G.c23] = parameters[P.c23]
 
 
 @kernel

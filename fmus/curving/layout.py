@@ -41,11 +41,9 @@ N_WHEEL = len(W)
 C = positions("C", ("curvature", "velocity", "cant", "mu0"))
 """The curve: the inputs in their order."""
 
-_FIELDS = (
-    *("geometry", "wheels", "constants", "residual", "trial", "kept", "residual_trial", "jacobian", "scratch", "table"),
-)
+_FIELDS = (*("geometry", "wheels", "residual", "trial", "kept", "residual_trial", "jacobian", "scratch", "table"),)
 
-_BLOCKS = (4 * N_GEOMETRY, 4 * N_WHEEL, 3, N, N, N, N, N * (N + 1), SCRATCH_SIZE)
+_BLOCKS = (4 * N_GEOMETRY, 4 * N_WHEEL, N, N, N, N, N * (N + 1), SCRATCH_SIZE)
 
 D = positions("D", _FIELDS)._make(sum(_BLOCKS[:i]) for i in range(len(_BLOCKS) + 1))
 """Position of each block in the derived quantities; the table is last and as long as it needs."""

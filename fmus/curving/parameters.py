@@ -64,6 +64,9 @@ PARAMETERS = (
     _real("semi_axis_lon", "m", 5.777675428510385e-3, 1e-5, 0.1, "semi-axis a of the patch at patch_load"),
     _real("semi_axis_lat", "m", 4.61727000598374e-3, 1e-5, 0.1, "semi-axis b of the patch at patch_load"),
     _real("hertz_stiffness", "N/m", 1195665454.8300748, 1.0, 1e12, "stiffness of the contact spring at patch_load"),
+    _real("c11", "1", 4.538597, 1e-3, 100.0, "Kalker's coefficient C11 of the patch"),
+    _real("c22", "1", 4.066682, 1e-3, 100.0, "Kalker's coefficient C22 of the patch"),
+    _real("c23", "1", 1.788108, 1e-3, 100.0, "Kalker's coefficient C23 of the patch"),
     # a table of contact geometry takes the place of cone and arc, where there is one
     _real("table_start", "m", 0.0, -0.1, 0.1, "first shift towards the flange in the table of contact geometry"),
     _real("table_spacing", "m", 1e-4, 1e-6, 0.1, "spacing of the table of contact geometry"),

@@ -106,7 +106,7 @@ class _Gap:
         self.middle = track.tape_distance / 2
         self.q = np.arange(rail.lateral[0], rail.lateral[-1], SPACING)
         curve = CubicSpline(rail.lateral, rail.height)
-        self.rail, self.rail_curvature = curve(self.q), curve(self.q, 2)
+        self.rail, self.rail_curvature = curve(self.q), curve(self.q, 2) / (1 + curve(self.q, 1) ** 2) ** 1.5
         self.s, self.height = wheel.lateral, wheel.height
         self.curve = CubicSpline(wheel.lateral, wheel.height)
 
@@ -123,7 +123,7 @@ class _Gap:
         total = w.sum()
         w /= total
         angle = np.arctan(roll - self.curve(at, 1))
-        curvature = -self.curve(at, 2) - self.rail_curvature[near]
+        curvature = -self.curve(at, 2) * np.cos(angle) ** 3 - self.rail_curvature[near]
         return _Touch(
             float(lowest - SOFTNESS * np.log(total * SPACING)), float(w @ q), float(w @ height),
             float(w @ angle), float(w @ curvature),
@@ -159,9 +159,7 @@ def contact_table(wheel: Profile, rail: Profile, track: Track | None = None) -> 
     radius = np.array([t.radius for t in found])
     curvature = np.array([t.curvature for t in found])
     along = (track.wheel_radius + radius) / np.cos(angle)
-    patches = np.array(
-        [_patch(1e-3 * a, 1e-3 / (k * np.cos(d) ** 3)) for a, k, d in zip(along, curvature, angle, strict=True)]
-    )
+    patches = np.array([_patch(1e-3 * a, 1e-3 / k) for a, k, d in zip(along, curvature, angle, strict=True)])
     return ContactTable(
         title=f"{wheel.title} on {laid.title}",
         shift=np.asarray(1e-3 * shifts, dtype=np.float64), radius_change=1e-3 * radius, contact_angle=angle,

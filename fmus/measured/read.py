@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import DataError
+from .choice import Choice
 from .function import Contents
-from .selection import Choice, Measured, select
+from .selection import Measured, select
 from .tables import read_archive, read_csv
 from .universal import is_universal, read_universal
 

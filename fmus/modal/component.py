@@ -61,7 +61,7 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     )  # fmt: skip
     velocities = tuple(
         Variable(
-            name_of(MODAL_VELOCITY, i + 1), "local", MODAL_VELOCITY_UNIT, f"modal velocity of mode {i + 1}",
+            name_of(MODAL_VELOCITY, i + 1), "local", MODAL_VELOCITY_UNIT, f"modal velocity of {_mode(modes, i)}",
             nominal=1e-3,
         )
         for i in range(n)
@@ -74,6 +74,12 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
         state_size=N_STATES * n,
         kernels="modal.kernels",
     )
+
+
+def _mode(modes: Modes, i: int) -> str:
+    """Return number and label of a mode, as descriptions give them."""
+    label = modes.labels[i] if i < len(modes.labels) else ""
+    return f"mode {i + 1}, {label}" if label else f"mode {i + 1}"
 
 
 def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
@@ -89,7 +95,7 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
     blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
     return tuple(
         Variable(
-            name_of(name, i + 1), "parameter", unit, f"{text} of mode {i + 1}",
+            name_of(name, i + 1), "parameter", unit, f"{text} of {_mode(modes, i)}",
             start=float(values[i]) if i < len(modes) else 0.0, minimum=low, maximum=high, nominal=nominal,
         )
         for name, unit, text, values, low, high, nominal in blocks

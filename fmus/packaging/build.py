@@ -10,9 +10,9 @@ from ..cases import read_cases
 from ..component import Component
 from .archive import write_files
 from .catalogue import components
-from .native.fmu import build_native_fmus
+from .native.fmu import Standard, build_native_fmus
 from .python.fmu import build_python_fmu
-from .ssp.structure import ssp_files
+from .ssp.structure import contact_name, ssp_files
 from .target import Target, default_target
 
 SSP_NAME = "curvesqueal.ssp"
@@ -22,7 +22,8 @@ def build_fmus(components: Mapping[str, Component], folder: Path, target: Target
     """Build FMUs of components into a folder that exists; return the files by name."""
     release = version("curvesqueal")
     if target.flavour == "native":
-        return build_native_fmus(components, target.platforms, target.fmi, folder, release)
+        standard = Standard(target.fmi, target.only_scalars)
+        return build_native_fmus(components, target.platforms, standard, folder, release)
     return {name: build_python_fmu(c, folder / f"{name}.fmu", release) for name, c in components.items()}
 
 
@@ -50,7 +51,7 @@ def build(
     built = components()
     cases = read_cases()
     files = ssp_files(built, cases)
-    used = {"contact", *(case.wheel for case in cases), *(case.rail for case in cases)}
+    used = {name for case in cases for name in (case.wheel, case.rail, contact_name(case, cases))}
     chosen = {name: c for name, c in built.items() if name in used or not only_cases}
     fmus = build_fmus(chosen, folder, target or default_target())
     for name in used:

@@ -11,23 +11,28 @@ from ..system.component import system
 from ..wheel.component import wheel
 from ..wheel.inferred import inferred
 from ..wheel.wheelset import DATA, read_wheelset
-from .ssp.structure import system_mobility
+from .ssp.structure import contacts, system_mobility
 
 
 def components() -> dict[str, Component]:
     """Return every component that is shipped, by the name of its FMU file without suffix."""
     the_wheel, the_rail, rigid = wheel(), rail(), rigid_rail()
     the_contact = contact(system_mobility([the_wheel, the_rail], DEFAULT_STEP))
-    first = read_cases()[0]
-    return {
+    cases = read_cases()
+    first = cases[0]
+    wheels = {
         "wheel": the_wheel,
         "wheel-inferred": wheel(inferred().modes),
         "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
+    }
+    parts = {**wheels, "rail": the_rail, "rail-rigid": rigid, "contact": the_contact}
+    return {
+        **wheels,
         "rail": the_rail,
         "rail-paper": paper_rail(),
         "rail-rigid": rigid,
         "rail-discrete": discrete_rail(),
-        "contact": the_contact,
+        **contacts(parts, cases),
         "curvesqueal": system("curvesqueal", the_wheel, the_rail, the_contact, first.contact),
         "curvesqueal-rigid": system("curvesqueal_rigid", the_wheel, rigid, the_contact, first.contact),
     }

@@ -22,11 +22,13 @@ class Target:
     flavour : 'native' (machine code, no Python on the host) or 'python' (PythonFMU)
     fmi : major version of FMI, 2 or 3; PythonFMU knows 2 only
     platforms : names of `PLATFORMS`; for Python FMUs those that PythonFMU brings
+    only_scalars : whether FMI 3 does without arrays, for hosts that know none
     """
 
     flavour: str
     fmi: int = 2
     platforms: tuple[str, ...] = ()
+    only_scalars: bool = False
 
     def __post_init__(self) -> None:
         """Check that such FMUs can be built here.
@@ -40,6 +42,8 @@ class Target:
             raise DataError(f"flavour {self.flavour!r}: must be native or python")
         if self.fmi not in (2, 3):
             raise DataError(f"FMI {self.fmi}: must be 2 or 3")
+        if self.only_scalars and self.fmi != 3:
+            raise DataError(f"FMI {self.fmi} has no arrays, all is scalars; must be FMI 3 for scalars only")
         if self.flavour == "python":
             self._check_python()
             return
@@ -64,7 +68,8 @@ class Target:
         if self.flavour == "python":
             return "Python FMUs (PythonFMU), FMI 2"
         compilers = dict.fromkeys(c.name for name in self.platforms if (c := find_compiler(name)))
-        return f"native FMUs, FMI {self.fmi}, for {', '.join(self.platforms)}, by {', '.join(compilers)}"
+        standard = f"FMI {self.fmi}{' with scalars only' * self.only_scalars}"
+        return f"native FMUs, {standard}, for {', '.join(self.platforms)}, by {', '.join(compilers)}"
 
 
 _ZIG_HELPS = "a C compiler or the package ziglang makes native FMUs possible"
@@ -84,7 +89,7 @@ def default_target() -> Target:
     return Target("python")
 
 
-def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Target, ...]:
+def targets(flavour: str | None, fmi: int, platforms: Sequence[str], only_scalars: bool = False) -> tuple[Target, ...]:
     """Return the targets that a user asks for: a flavour, 'all' for both, None for the default.
 
     Raises
@@ -93,10 +98,10 @@ def targets(flavour: str | None, fmi: int, platforms: Sequence[str]) -> tuple[Ta
         If one of them cannot be built here.
     """
     if flavour == "all":
-        return Target("native", fmi, tuple(platforms)), Target("python")
+        return Target("native", fmi, tuple(platforms), only_scalars), Target("python")
     if flavour is None:
         default = default_target()
-        if default.flavour == "python" and (fmi != 2 or platforms):
+        if default.flavour == "python" and (fmi != 2 or platforms or only_scalars):
             raise DataError(f"native FMUs: {_ZIG_HELPS}")
         flavour = default.flavour
-    return (Target(flavour, fmi, tuple(platforms)),)
+    return (Target(flavour, fmi, tuple(platforms), only_scalars),)

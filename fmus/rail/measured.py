@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from ..errors import DataError
 from ..interface import DIRECTIONS
+from ..measured.choice import Choice
 from ..measured.noise import LARGEST_NOISE, Averaged, averaged, good_band, relative_noise
 from ..measured.read import read_measured
-from ..measured.selection import Choice, Measured
+from ..measured.selection import Measured
 from ..measured.units import QUANTITIES, TRANSLATIONS
 from ..modal.data import ModalData
 from ..modal.modes import Modes

@@ -1,222 +1,254 @@
-"""Modal data from elsewhere: CSV, TOML or UFF in, `Modes` in the contract's axes out.
+"""A wheel from modes of finite elements or a modal test: files or arrays in, `Modes` in the contract's axes out.
 
-Nothing is guessed: units must be SI, shapes mass-normalised or with their modal mass, and the axes of a UFF file are
-mapped by the caller. What is refused is refused in one sentence that names the file, the quantity and what was wanted.
+Files are read by `fmus.measured`. Nothing is guessed: units, axes and damping that a file does not say must be said.
 """
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pyuff
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import DataError
 from ..interface import DIRECTIONS
+from ..measured.frd import is_frd, read_frd
+from ..measured.nodal import ContactModes, Extent, at_contact, complete_axes
+from ..measured.tables import read_csv_rows
+from ..measured.units import read_system
+from ..measured.universal import is_universal
+from ..measured.universal_modes import read_universal_modes
 from ..modal.data import read_modal_data
 from ..modal.modes import Modes
 
+Real = NDArray[np.float64]
+
 CSV_COLUMNS = ("label", "frequency_hz", "damping_ratio", *DIRECTIONS)
 
-_UFF_AXES = ("x", "y", "z", "rx", "ry", "rz")
-_NODAL_DATA, _UNITS = 55, 164
-_NORMAL_MODE, _DISPLACEMENT, _SI = 2, 8, 1
+_SAME_DOUBLET = 1e-4
 
 
 @dataclass(frozen=True)
-class UffAxes:
-    """Where the directions of the contract are found in a UFF file.
+class ModalChoice:
+    """What a user says about files of mode shapes.
 
     Attributes
     ----------
-    node : number of the contact node
-    lon, lat, ver : '+x', '-x', ... '-z', or 'none' for a direction in which the data have no motion
-    spin : '+rx', '-rx', ... '-rz', or 'none'; the same axis as ver, with the same sign
-
-    Examples
-    --------
-    A file with x along the track, y to the field side and z downwards, without rotations:
-
-    >>> UffAxes(node=12, lon="+x", lat="-y", ver="-z", spin="none").column("lat")
-    (-1.0, 'y')
+    node : number of the contact's node
+    axes : direction of each signed direction code: 1, 2, 3 are x, y, z
+    units : units of length and force, 'mm,N', where the file does not say them
+    damping : damping ratio by number of nodal diameters, the last for all above, where the file has none
     """
 
-    node: int
-    lon: str
-    lat: str
-    ver: str
-    spin: str = field(default="none")
-
-    def __post_init__(self) -> None:
-        """Check that each direction has an axis of its own."""
-        used: dict[str, str] = {}
-        for direction in DIRECTIONS:
-            allowed = _UFF_AXES[3:] if direction == "spin" else _UFF_AXES[:3]
-            text = getattr(self, direction)
-            if text == "none":
-                continue
-            if text[:1] not in {"+", "-"} or text[1:] not in allowed:
-                raise DataError(
-                    f"axes: {direction} = {text!r}; must be '+' or '-' and one of {', '.join(allowed)}, or 'none'"
-                )
-            other = used.setdefault(text[1:], direction)
-            if other != direction:
-                raise DataError(f"axes: {other} and {direction} are both {text[1:]!r}; must differ")
-
-    def column(self, direction: str) -> tuple[float, str] | None:
-        """Return the sign and the name of the axis of a direction, or None."""
-        text = getattr(self, direction)
-        return None if text == "none" else (-1.0 if text[0] == "-" else 1.0, text[1:])
+    node: int | None = None
+    axes: Mapping[int, str] = field(default_factory=dict)
+    units: str | None = None
+    damping: tuple[float, ...] = ()
 
 
-def read_modes(path: Path, axes: UffAxes | None = None) -> Modes:
-    """Return the modes of a file, by its suffix: `.csv`, `.toml`, or `.uff`, `.unv`, `.uf`.
+@dataclass(frozen=True)
+class ImportedWheel:
+    """A wheel from elsewhere.
+
+    Attributes
+    ----------
+    modes : in the contract's axes
+    notes : sentences on what was taken as what
+    """
+
+    modes: Modes
+    notes: tuple[str, ...] = ()
+
+
+def wheel_from_modes(
+    frequency_hz: ArrayLike, damping_ratio: ArrayLike, shape: ArrayLike, labels: Sequence[str] = ()
+) -> Modes:
+    """Return the modes of a wheel from arrays.
 
     Parameters
     ----------
-    path : Path
-    axes : UffAxes, optional
-        Needed for UFF, whose axes are anybody's; CSV and TOML are in the contract's axes.
+    frequency_hz : (n,) array_like
+        Natural frequencies in rising order, >= 0 [Hz].
+    damping_ratio : (n,) array_like
+        >= 0.
+    shape : (n, 4) array_like
+        Mass-normalised amplitudes at the contact: lon, lat, ver [kg^-1/2], spin [kg^-1/2/m].
+    labels : n names, optional
+        Such as '(3,0) cosine'.
+
+    Examples
+    --------
+    >>> wheel_from_modes([417.1], [1e-4], [[0, -0.115, 0.001, 0]], ["(2,0)"]).labels
+    ('(2,0)',)
+    """
+    table = np.asarray(shape, dtype=float)
+    omega = 2 * np.pi * np.asarray(frequency_hz, dtype=float)
+    modes = Modes(omega, np.asarray(damping_ratio, dtype=float), table.reshape(-1, 4), tuple(labels))
+    return _rising("modes", modes)
+
+
+def read_modes(files: Path | Sequence[Path], choice: ModalChoice | None = None) -> ImportedWheel:
+    """Return the modes in CSV, TOML, universal files or CalculiX results; several of these are parts of one wheelset.
 
     Raises
     ------
     DataError
-        For another suffix, or what the reader of the format or `Modes` refuses.
+        For what cannot be read, or parts that do not make a whole: says which are missing.
     """
-    suffix = path.suffix.lower()
-    if suffix in {".uff", ".unv", ".uf"}:
-        if axes is None:
-            raise DataError(f"{path.name}: a UFF file needs the contact node and its axes")
-        return read_uff(path, axes)
-    if suffix == ".csv":
-        return read_csv(path)
-    if suffix == ".toml":
-        return _checked(path.name, read_modal_data(path).modes, DIRECTIONS)
-    raise DataError(f"{path.name}: suffix {suffix!r} is unknown; must be .csv, .toml, .uff, .unv or .uf")
+    chosen = choice or ModalChoice()
+    paths = [files] if isinstance(files, Path) else list(files)
+    heads = [_head(path) for path in paths]
+    if len(paths) == 1 and not is_universal(heads[0]) and not is_frd(heads[0]):
+        path = paths[0]
+        if path.suffix.lower() == ".toml" or b"[[mode]]" in path.read_bytes():
+            return ImportedWheel(_complete(path.name, _rising(path.name, read_modal_data(path).modes)))
+        return ImportedWheel(_complete(path.name, read_csv(path)))
+    parts = [_part(path, head, chosen) for path, head in zip(paths, heads, strict=True)]
+    return _whole(paths, parts, chosen)
 
 
 def read_csv(path: Path) -> Modes:
-    """Return the modes of a table with the columns `CSV_COLUMNS`, in the contract's axes and units.
-
-    Raises
-    ------
-    DataError
-        For a missing column, a value that is no number, and what every import refuses.
-    """
-    with path.open(encoding="utf-8", newline="") as file:
-        reader = csv.DictReader(file)
-        missing = [c for c in CSV_COLUMNS if c not in (reader.fieldnames or ())]
-        if missing:
-            raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
-        labels, rows = [], []
-        for line, text in enumerate(reader, start=2):
-            try:
-                rows.append([float(text[c]) for c in CSV_COLUMNS[1:]])
-            except (TypeError, ValueError):
-                raise DataError(f"{path.name}, line {line}: every column but label must be a number") from None
-            labels.append(text["label"])
-    table = np.array(rows).reshape(-1, len(CSV_COLUMNS) - 1)
-    return _make(path.name, table[:, 0], table[:, 1], table[:, 2:], labels, DIRECTIONS)
+    """Return the modes of a table with the columns `CSV_COLUMNS`, in the contract's axes and units."""
+    headers, rows = read_csv_rows(path)
+    names = [header.name for header in headers]
+    missing = [c for c in CSV_COLUMNS if c not in names]
+    if missing:
+        raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
+    table, labels = [], []
+    for line, texts in rows:
+        row = dict(zip(names, texts, strict=False))
+        try:
+            table.append([float(row[c]) for c in CSV_COLUMNS[1:]])
+        except (KeyError, ValueError):
+            raise DataError(f"{path.name}, line {line}: every column but label must be a number") from None
+        labels.append(row["label"])
+    if not table:
+        raise DataError(f"{path.name}: there are no modes in it")
+    values = np.array(table)
+    return _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:], tuple(labels)))
 
 
-def read_uff(path: Path, axes: UffAxes) -> Modes:
-    """Return the normal modes at one node of a UFF file.
-
-    Notes
-    -----
-    Data sets 55 (data at nodes) of analysis type 2 are read, with data set 164 (units), which must say SI. Shapes are
-    divided by the root of the modal mass. The damping ratio is the viscous one plus half the hysteretic one.
-    """
-    sets = _uff_sets(path)
-    _check_units(path.name, [s for s in sets if s["type"] == _UNITS])
-    modal = [s for s in sets if s["type"] == _NODAL_DATA]
-    if not modal:
-        raise DataError(f"{path.name}: there is no data set 55 in it")
-    rows = [_uff_mode(f"{path.name}, mode {i}", data, axes) for i, data in enumerate(modal, start=1)]
-    return _make(
-        path.name,
-        np.array([data["freq"] for data in modal]),
-        np.array([data["modal_damp_vis"] + data["modal_damp_his"] / 2 for data in modal]),
-        np.array(rows),
-        [f"mode {data['mode_n']}" for data in modal],
-        tuple(d for d in DIRECTIONS if axes.column(d)),
-    )
-
-
-def _uff_sets(path: Path) -> list[Mapping[str, Any]]:
-    """Return the data sets 55 and 164 of a file."""
+def _head(path: Path) -> bytes:
     if not path.is_file():
-        raise FileNotFoundError(path)
-    try:
-        file = pyuff.UFF(str(path))
-        wanted = np.flatnonzero(np.isin(file.get_set_types(), (_NODAL_DATA, _UNITS)))
-        return [file.read_sets(int(i)) for i in wanted]
-    except Exception as error:  # pyuff raises bare Exception
-        raise DataError(f"{path.name}: not a readable UFF file: {error}") from error
+        raise DataError(f"{path}: no such file")
+    with path.open("rb") as file:
+        return file.read(4096)
 
 
-def _check_units(name: str, sets: list[Mapping[str, Any]]) -> None:
-    """Check that the file says that it is in SI."""
-    if not sets:
-        raise DataError(f"{name}: data set 164 (units) is missing; must say SI")
-    for units in sets:
-        factors = (units["length"], units["force"])
-        if units["units_code"] != _SI or not np.allclose(factors, 1.0, rtol=1e-9, atol=0.0):
-            raise DataError(
-                f"{name}: units are code {units['units_code']} with {factors[0]:g} per metre and {factors[1]:g} per "
-                "newton; must be SI, code 1 with 1 and 1"
-            )
+def _part(path: Path, head: bytes, choice: ModalChoice) -> ContactModes:
+    """Return the modes of one file of shapes at the contact."""
+    units = None if choice.units is None else read_system(choice.units)
+    if is_frd(head):
+        nodal = read_frd(path, units)
+    elif is_universal(head):
+        nodal = read_universal_modes(path, units)
+    else:
+        raise DataError(f"{path.name}: only universal files and .frd can be parts of one wheelset")
+    return at_contact(nodal, choice.node, complete_axes(choice.axes, path.name))
 
 
-def _uff_mode(where: str, data: Mapping[str, Any], axes: UffAxes) -> list[float]:
-    """Return the mass-normalised shape of one data set at the contact node."""
-    if data["analysis_type"] != _NORMAL_MODE or np.iscomplexobj(data["r1"]):
-        raise DataError(f"{where}: analysis type is {data['analysis_type']}; must be 2, a real normal mode")
-    if data["spec_data_type"] != _DISPLACEMENT:
-        raise DataError(f"{where}: data type is {data['spec_data_type']}; must be 8, displacement")
-    if not data["modal_m"] > 0:
-        raise DataError(f"{where}: modal mass is {data['modal_m']:g}; must be > 0")
-    place = np.flatnonzero(np.asarray(data["node_nums"]) == axes.node)
-    if not place.size:
-        raise DataError(f"{where}: node {axes.node} is not in it")
-    shape = []
-    for direction in DIRECTIONS:
-        column = axes.column(direction)
-        if column is None:
-            shape.append(0.0)
+def _whole(paths: Sequence[Path], parts: Sequence[ContactModes], choice: ModalChoice) -> ImportedWheel:
+    """Return the modes of all parts by frequency; parts that are missing are named."""
+    name = ", ".join(path.name for path in paths)
+    missing = missing_parts([part.extent for part in parts])
+    if missing:
+        raise DataError(f"{name}: {missing}")
+    frequency_hz = np.concatenate([part.frequency_hz for part in parts])
+    order = np.argsort(frequency_hz, kind="stable")
+    diameters = np.concatenate([part.diameters for part in parts])[order]
+    zeta = _damped(name, np.concatenate([part.damping_ratio for part in parts])[order], diameters, choice.damping)
+    labels = tuple(label for part in parts for label in labelled(part))
+    shape = np.concatenate([part.shape for part in parts])[order]
+    zeta = np.where(frequency_hz[order] == 0, 0.0, zeta)
+    modes = _modes(name, frequency_hz[order], zeta, shape, tuple(labels[i] for i in order))
+    notes = []
+    if any(part.spin_from == "none" for part in parts):
+        notes.append("spin is neither in the data nor told by nodes near the contact: the wheel is rigid in spin")
+    if any(part.spin_from == "neighbours" for part in parts):
+        notes.append("spin is the rotation of the nodes within 50 mm of the contact")
+    return ImportedWheel(_complete(name, modes, tuple(d for d in DIRECTIONS if d != "spin")), tuple(notes))
+
+
+def missing_parts(extents: Sequence[Extent]) -> str:
+    """Return a sentence on the parts of a wheelset that are missing, '' if it is whole."""
+    circles = {extent.circle for extent in extents}
+    axles = {extent.axle for extent in extents}
+    wanted = {(c, a) for c in _both(circles, ("cosine", "sine")) for a in _both(axles, ("symmetric", "antisymmetric"))}
+    there = {(e.circle, e.axle) for e in extents}
+    words = {
+        "cosine": "motion across the plane of the half circle held (lat and ver)",
+        "sine": "motion in the plane of the half circle held (direction lon is missing)",
+        "symmetric": "motion along the axle held at mid-axle",
+        "antisymmetric": "motion across the axle held at mid-axle",
+    }
+    missing = [" and ".join(words[part] for part in pair if part != "whole") for pair in sorted(wanted - there)]
+    return f"is a part of a wheelset; give the other runs, too: {'; '.join(missing)}" if missing else ""
+
+
+def _both(found: set[str], halves: tuple[str, str]) -> tuple[str, ...]:
+    return halves if found & set(halves) else ("whole",)
+
+
+def labelled(part: ContactModes) -> tuple[str, ...]:
+    """Return labels by nodal diameters and kind: (n,0) for the first axial mode of n, else n and a count."""
+    if (part.diameters < 0).all():
+        return part.labels
+    count: dict[tuple[int, str], int] = {}
+    seen: dict[int, float] = {}
+    labels = []
+    for n, axial, frequency in zip(
+        part.diameters.tolist(), part.axial.tolist(), part.frequency_hz.tolist(), strict=True
+    ):
+        words = " ".join(word for word in (part.extent.axle, part.extent.circle) if word != "whole")
+        if frequency == 0:
+            labels.append(f"rigid n={n} {words}".strip())
             continue
-        sign, axis = column
-        values = data.get(f"r{_UFF_AXES.index(axis) + 1}")
-        if values is None:
-            raise DataError(f"{where}: direction {direction} is missing: the data have no {axis!r}")
-        shape.append(sign * float(values[place[0]]) / math.sqrt(data["modal_m"]))
-    return shape
+        if axial and n >= 2 and (n not in seen or abs(frequency / seen[n] - 1) < _SAME_DOUBLET):
+            seen.setdefault(n, frequency)
+            labels.append(f"({n},0) {words}".strip())
+            continue
+        key = (n, words)
+        count[key] = count.get(key, 0) + 1
+        labels.append(f"n={n} {words} #{count[key]}".replace("  ", " "))
+    return tuple(labels)
 
 
-def _make(
-    name: str, frequency_hz: Any, damping_ratio: Any, shape: Any, labels: list[str], wanted: tuple[str, ...]
-) -> Modes:
+def _damped(name: str, own: Real, diameters: NDArray[np.int64], given: tuple[float, ...]) -> Real:
+    """Return the damping ratios of a file, or the given ones by number of nodal diameters."""
+    bare = np.isnan(own)
+    if not bare.any():
+        return own
+    if not given:
+        raise DataError(
+            f"{name}: has no damping; give it with the option damping: one ratio, or those of n = 0, 1, 2 ..."
+        )
+    if len(given) > 1 and (diameters[bare] < 0).any():
+        raise DataError(f"{name}: the numbers of nodal diameters are not known; give one damping ratio for all modes")
+    by_n = np.array([given[min(max(int(n), 0), len(given) - 1)] for n in diameters])
+    return np.where(bare, by_n, own)
+
+
+def _modes(name: str, frequency_hz: Real, zeta: Real, shape: Real, labels: tuple[str, ...]) -> Modes:
     """Return checked modes; errors name the file."""
-    if not len(labels):
-        raise DataError(f"{name}: there are no modes in it")
     try:
-        modes = Modes(2 * np.pi * frequency_hz, damping_ratio, shape, tuple(labels))
+        return Modes(2 * np.pi * frequency_hz, zeta, shape, labels)
     except ValueError as error:
         raise DataError(f"{name}: {error}") from None
-    return _checked(name, modes, wanted)
 
 
-def _checked(name: str, modes: Modes, wanted: tuple[str, ...]) -> Modes:
-    """Return the modes if their frequencies ascend and every wanted direction moves in one of them."""
+def _rising(name: str, modes: Modes) -> Modes:
+    """Return the modes if their frequencies ascend."""
     falls = np.flatnonzero(np.diff(modes.omega) < 0)
     if falls.size:
         first, second = modes.omega[falls[0] : falls[0] + 2] / (2 * np.pi)
         raise DataError(f"{name}: mode {falls[0] + 2} has {second:g} Hz after {first:g} Hz; must be in rising order")
+    return modes
+
+
+def _complete(name: str, modes: Modes, wanted: Sequence[str] = DIRECTIONS) -> Modes:
+    """Return the modes if every wanted direction moves in one of them."""
     for j, direction in enumerate(DIRECTIONS):
         if direction in wanted and not modes.shape[:, j].any():
             raise DataError(f"{name}: direction {direction} is missing: no mode moves in it")

@@ -4,13 +4,16 @@ The table has one row per mode of an axisymmetric wheelset, with amplitudes in c
 contact point: `u_r` outwards, `u_z` away from mid-axle, `u_theta`. A row with n >= 1 is a doublet: its cosine family
 moves the contact laterally and vertically, its sine family longitudinally and in spin. `finite_elements.py` writes such
 tables.
+
+Optional columns `du_r_ds`, `du_z_ds`, `d2u_r_ds2`, `d2u_z_ds2` say how the amplitudes change along the tread, to the
+field side: with them a wheelset can be read where a curve puts the contact.
 """
 
 from __future__ import annotations
 
 import csv
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,12 @@ COLUMNS = (
 )  # fmt: skip
 
 
+TREAD_COLUMNS = ("du_r_ds", "du_z_ds", "d2u_r_ds2", "d2u_z_ds2")
+
+TREAD = 0.025
+"""Distance from the nominal contact point within which amplitudes are parabolas [m]."""
+
+
 @dataclass(frozen=True)
 class Wheelset:
     """The modes of a wheelset and what sound radiation needs of them.
@@ -37,6 +46,8 @@ class Wheelset:
     nodal_diameters : (n,) number of nodal diameters
     area_axial, area_radial : (n,) surface integrals of the squared axial and radial motion of one wheel [m2/kg]
     title : what wheelset this is
+    slope, bend : (n, 4) first and second derivative of the shapes along the tread, by the length to the field side;
+        None where they are not known
     """
 
     modes: Modes
@@ -44,6 +55,26 @@ class Wheelset:
     area_axial: NDArray[np.float64]
     area_radial: NDArray[np.float64]
     title: str
+    slope: NDArray[np.float64] | None = None
+    bend: NDArray[np.float64] | None = None
+
+    def at(self, position: float) -> Modes:
+        """Return the modes read beside the nominal contact point, `position` to the field side [m].
+
+        Raises
+        ------
+        DataError
+            Away from the nominal point, if the change along the tread is not known.
+        """
+        if position == 0.0:
+            return self.modes
+        if self.slope is None or self.bend is None:
+            raise DataError(
+                f"{self.title}: the contact is {1e3 * position:.1f} mm from the nominal point, and the table of modes "
+                f"has no columns {', '.join(TREAD_COLUMNS)}, which say how the shapes change along the tread"
+            )
+        change = position * self.slope + 0.5 * position**2 * self.bend
+        return replace(self.modes, shape=self.modes.shape + change)
 
 
 def read_wheelset(path: Path) -> Wheelset:
@@ -77,6 +108,7 @@ def read_wheelset(path: Path) -> Wheelset:
         area_axial=np.array([row["area_axial"] for row, _ in families]),
         area_radial=np.array([row["area_radial"] for row, _ in families]),
         title=settings["title"],
+        **_along_the_tread(families, radius),
     )
 
 
@@ -96,6 +128,25 @@ def contact_shape(row: dict[str, Any], family: str, radius: float) -> list[float
     return [row["u_theta"], 0.0, 0.0, 0.5 * (row["n"] * row["u_z"] / radius + row["du_theta_dz"])]
 
 
+def _along_the_tread(families: list[tuple[dict[str, Any], str]], radius: float) -> dict[str, NDArray[np.float64]]:
+    """Return first and second derivative of the shapes along the tread; nothing if the table has no columns of them.
+
+    Of the rotation about the vertical what the axial derivative of u_theta changes is left out.
+    """
+    if any(c not in row for row, _ in families for c in TREAD_COLUMNS):
+        return {}
+
+    def shape(row: dict[str, Any], family: str, u_r: str, u_z: str, u_theta: float) -> list[float]:
+        if family == "cosine":
+            return [0.0, -row[u_z], -row[u_r], 0.0]
+        return [u_theta, 0.0, 0.0, 0.5 * row["n"] * row[u_z] / radius]
+
+    return {
+        "slope": np.array([shape(r, f, "du_r_ds", "du_z_ds", r["du_theta_dz"]) for r, f in families]),
+        "bend": np.array([shape(r, f, "d2u_r_ds2", "d2u_z_ds2", 0.0) for r, f in families]),
+    }
+
+
 def _families(row: dict[str, Any]) -> tuple[str, ...]:
     """Return the families of a row: both for a doublet, else the one that moves."""
     if row["n"] > 0:
@@ -110,10 +161,11 @@ def _read_table(path: Path) -> list[dict[str, Any]]:
         missing = set(COLUMNS) - set(reader.fieldnames or ())
         if missing:
             raise DataError(f"{path.name}: column {sorted(missing)[0]!r} is missing")
+        columns = [c for c in (*COLUMNS, *TREAD_COLUMNS) if c != "symmetry" and c in (reader.fieldnames or ())]
         rows: list[dict[str, Any]] = []
         for line, text in enumerate(reader, start=2):
             try:
-                row: dict[str, Any] = {c: float(text[c]) for c in COLUMNS if c != "symmetry"}
+                row: dict[str, Any] = {c: float(text[c]) for c in columns}
             except (TypeError, ValueError) as error:
                 raise DataError(f"{path.name}, line {line}: {error}") from None
             rows.append({**row, "n": int(row["n"]), "symmetry": text["symmetry"], "label": text.get("label") or ""})

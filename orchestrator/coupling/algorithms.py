@@ -2,57 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from ..errors import InputError
+from .dependencies import Coupling, Order, Stages
 
-
-@dataclass(frozen=True)
-class Coupling:
-    """What an algorithm needs to know of a system.
-
-    Attributes
-    ----------
-    feeds : for each component the components that its inputs come from
-    feedthrough : for each component whether its outputs depend on its inputs within a step; None: it does not tell
-    told : stage of a component as an annotation of the system gives it, 0 first; components may be missing
-    """
-
-    feeds: Mapping[str, frozenset[str]]
-    feedthrough: Mapping[str, bool | None]
-    told: Mapping[str, int] = field(default_factory=dict)
-
-    def between(self, name: str) -> bool:
-        """Return whether a component is fed by all others, which is where a coupling element stands."""
-        return len(self.feeds) > 2 and self.feeds[name] == frozenset(self.feeds) - {name}
-
-    def dependent(self) -> list[str]:
-        """Return the components whose outputs depend on their inputs within a step.
-
-        What the FMU tells counts; if it tells nothing, the annotation (a later stage than 0); else whether it stands
-        between the others.
-        """
-        return [name for name in self.feeds if self._depends(name)]
-
-    def _depends(self, name: str) -> bool:
-        feedthrough = self.feedthrough[name]
-        if feedthrough is not None:
-            return feedthrough
-        if name in self.told:
-            return self.told[name] > 0
-        return self.between(name)
-
-    def guesses(self) -> list[str]:
-        """Return a sentence for each component that was put last because it stands between the others."""
-        return [
-            f"{name} does not declare its dependencies; it stands between the others, so it steps last"
-            for name in self.feeds
-            if self.feedthrough[name] is None and name not in self.told and self.between(name)
-        ]
-
-
-Stages = list[list[str]]
+__all__ = ["ALGORITHMS", "Algorithm", "Coupling", "find_algorithm", "stages"]
 
 
 def simultaneous(coupling: Coupling) -> Stages:
@@ -61,61 +17,32 @@ def simultaneous(coupling: Coupling) -> Stages:
 
 
 def independent_first(coupling: Coupling) -> Stages:
-    """Components without algebraic dependence step first, the others after those that feed them.
+    """Components without algebraic dependence step first, the others after those that they depend on.
 
     Raises
     ------
     InputError
-        For an algebraic loop, with its members.
+        For an algebraic loop, with its members and the one way out that they leave.
     """
-    order, loop = _sort(coupling)
-    if loop:
-        raise InputError(
-            f"algebraic loop: the outputs of {', '.join(loop)} depend on each other within a step; "
-            "use the algorithm iterative or jacobi"
+    order = Order.of(coupling)
+    if order.loops:
+        members = order.loops[0]
+        stuck = [name for name in members if name not in coupling.repeatable]
+        way = (
+            f"{stuck[0]} cannot get and set its state, so a step cannot be repeated until they agree; "
+            "use the algorithm jacobi"
+            if stuck
+            else "use the algorithm iterative, which repeats the step until they agree"
         )
-    return order
+        raise InputError(
+            f"algebraic loop: the outputs of {', '.join(members)} depend on each other within a step; {way}"
+        )
+    return order.stages
 
 
 def loops_together(coupling: Coupling) -> Stages:
     """As `independent_first`; the members of an algebraic loop step together, for an iteration to solve."""
-    order, loop = _sort(coupling)
-    return (
-        order if not loop else [*order, loop, *_after(coupling, [*(name for stage in order for name in stage), *loop])]
-    )
-
-
-def _after(coupling: Coupling, done: list[str]) -> Stages:
-    """Return the stages of what is left; if that holds another loop, all of it is one stage."""
-    left = [name for name in coupling.feeds if name not in done]
-    ready = [name for name in left if not coupling.feeds[name] & set(left)]
-    if not left:
-        return []
-    return [ready, *_after(coupling, [*done, *ready])] if ready else [left]
-
-
-def _sort(coupling: Coupling) -> tuple[Stages, list[str]]:
-    """Return the stages and what is left over: the components of algebraic loops and those that wait for them."""
-    dependent = coupling.dependent()
-    order: Stages = [[name for name in coupling.feeds if name not in dependent]]
-    waiting = dependent
-    while waiting:
-        ready = [name for name in waiting if not coupling.feeds[name] & set(waiting)]
-        if not ready:
-            break
-        order.append(ready)
-        waiting = [name for name in waiting if name not in ready]
-    return [stage for stage in order if stage], _only_loops(coupling, waiting)
-
-
-def _only_loops(coupling: Coupling, waiting: list[str]) -> list[str]:
-    """Return the waiting components without those that wait for a loop but feed none of it."""
-    kept = list(waiting)
-    while True:
-        feeding = [name for name in kept if any(name in coupling.feeds[other] for other in kept)]
-        if feeding == kept:
-            return kept
-        kept = feeding
+    return Order.of(coupling).stages
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from fmus.interface import PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
 from ..system.model import Element, System, Wire
-from ..system.values import component_values, elements_of, known, through, variable_unit
-from .algorithms import Coupling
+from ..system.values import component_values, elements_of, known, resized, through, variable_unit
 from .bonds import Bond, Link, _bonds
+from .dependencies import Coupling, Node
+from .rates import period
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -23,7 +25,7 @@ _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Inte
 
 CONNECTABLE = {
     *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
-    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"),
+    ("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration"), ("String", "String"),
 }  # fmt: skip
 """Types of an output and of the input that it may feed."""
 
@@ -53,21 +55,47 @@ class Assembly:
     notices: tuple[str, ...] = ()
     outputs: tuple[Link, ...] = ()
 
+    @cached_property
     def coupling(self) -> Coupling:
-        """Return what the master algorithms need to know."""
+        """What the master algorithms need to know."""
         feeds: dict[str, set[str]] = {name: set() for name in self.fmus}
+        sources: dict[str, dict[str, set[tuple[str, str]]]] = {name: {} for name in self.fmus}
         for link in self.links:
-            feeds[link.wire.end_element].add(link.wire.start_element)
+            wire = link.wire
+            feeds[wire.end_element].add(wire.start_element)
+            array = self.fmus[wire.end_element].variables[wire.end_connector].array
+            start = self.fmus[wire.start_element].variables[wire.start_connector].array
+            sources[wire.end_element].setdefault(array, set()).add((wire.start_element, start))
+        nodes: dict[tuple[str, str], Node] = {}
+        groups: dict[Node, frozenset[str] | None] = {}
+        for name, fmu in self.fmus.items():
+            numbers: dict[frozenset[str] | None, int] = {}
+            for output, inputs in fmu.dependencies().items():
+                node = (name, numbers.setdefault(inputs, len(numbers)))
+                nodes[name, output] = node
+                groups[node] = inputs
+        needs = {}
+        for node, inputs in groups.items():
+            fed = sources[node[0]]
+            outputs = [o for i in (fed if inputs is None else inputs & fed.keys()) for o in fed[i]]
+            needs[node] = frozenset(nodes[o] for o in outputs if o in nodes)
         return Coupling(
-            feeds={name: frozenset(sources) for name, sources in feeds.items()},
-            feedthrough={name: fmu.has_feedthrough() for name, fmu in self.fmus.items()},
+            feeds={name: frozenset(found) for name, found in feeds.items()},
+            needs=needs,
+            silent=frozenset(node for node, inputs in groups.items() if inputs is None and needs[node]),
             told=self.system.stages,
+            repeatable=frozenset(name for name, fmu in self.fmus.items() if fmu.can_roll_back),
         )
+
+    def periods(self, step: float) -> dict[str, int]:
+        """Return how many communication steps [s] one step of each component takes."""
+        return {name: period(name, self.system.elements[name].step, step) for name in self.fmus}
 
 
 def open_fmus(system: System) -> dict[str, Fmu]:
     """Return the FMUs of a system by component."""
-    return {name: open_fmu(element.source) for name, element in system.elements.items()}
+    files = {source: open_fmu(source) for source in dict.fromkeys(e.source for e in system.elements.values())}
+    return {name: files[element.source] for name, element in system.elements.items()}
 
 
 def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
@@ -89,16 +117,18 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     if not system.elements:
         raise InputError(f"{system.path}: the system has no components")
     fmus = open_fmus(system) if fmus is None else fmus
+    fmus = {name: resized(element, fmus[name]) for name, element in system.elements.items()}
     for name, element in system.elements.items():
         _check_connectors(element, fmus[name])
     links = tuple(_link(wire, system, fmus) for whole in system.wires for wire in _by_element(whole, fmus))
-    _check_inputs(links)
+    _check_inputs(links, fmus)
     values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
     parameters = {name: v.values for name, v in values.items()}
     passed_over = (notice for v in values.values() for notice in v.notices)
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
-    notices = (*system.notices, *passed_over, *_held_inputs(links, fmus, parameters))
+    faults = {f for fmu in fmus.values() for f in fmu.faults}
+    notices = (*system.notices, *sorted(faults), *passed_over, *_held_inputs(links, fmus, parameters))
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
     return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
 
@@ -144,7 +174,12 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
         raise InputError(f"{where}: {wire.start_element}.{wire.start_connector} is no output but {start.causality}")
     if end.causality != "input":
         raise InputError(f"{where}: {wire.end_element}.{wire.end_connector} is no input but {end.causality}")
-    if (start.type, end.type) not in CONNECTABLE:
+    if (start.type, end.type) == ("Boolean", "Real") and not any(hop.declared for hop in wire.hops):
+        raise InputError(
+            f"{where}: Boolean becomes Real only as a LinearTransformation at the connection says; "
+            'factor="1" makes it 0 or 1'
+        )
+    if (start.type, end.type) not in {*CONNECTABLE, ("Boolean", "Real")}:
         raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
     units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
     return Link(wire, *through(wire.hops, units[0], units[1], where))
@@ -158,23 +193,35 @@ def _output(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     return Link(wire, *through(wire.hops, unit, wire.hops[-1].unit, where))
 
 
-def _check_inputs(links: Iterable[Link]) -> None:
-    """Raise InputError for an input that more than one output feeds."""
-    fed: set[tuple[str, str]] = set()
+def _check_inputs(links: Iterable[Link], fmus: Mapping[str, Fmu]) -> None:
+    """Raise InputError for an input that more than one output feeds, be it under two names."""
+    fed: dict[tuple[str, str, int, int], Link] = {}
     for link in links:
-        key = (link.wire.end_element, link.wire.end_connector)
-        if key in fed:
-            raise InputError(f"input {key[0]}.{key[1]} is fed by two connections")
-        fed.add(key)
+        element, name = link.wire.end_element, link.wire.end_connector
+        variable = fmus[element].variables[name]
+        other = fed.setdefault((element, *variable.place), link)
+        if other is link:
+            continue
+        if other.wire.end_connector == name:
+            raise InputError(f"input {element}.{name} is fed by two connections")
+        same = (other.wire.start_element, other.wire.start_connector, other.gain, other.offset)
+        if same != (link.wire.start_element, link.wire.start_connector, link.gain, link.offset):
+            raise InputError(
+                f"inputs {element}.{other.wire.end_connector} and {element}.{name} are one variable (value reference "
+                f"{variable.valueReference}), and two connections feed it: {other.wire} and {link.wire}"
+            )
 
 
 def _held_inputs(
     links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
 ) -> Iterable[str]:
     """Yield a notice for each input that neither a connection nor a value reaches."""
-    fed = {(link.wire.end_element, link.wire.end_connector) for link in links}
+    fed: dict[str, set[tuple[str, int, int]]] = {name: set() for name in fmus}
+    for link in links:
+        fed[link.wire.end_element].add(fmus[link.wire.end_element].variables[link.wire.end_connector].place)
     for name, fmu in fmus.items():
+        known = fed[name] | {fmu.variables[v].place for v in parameters[name]}
         for variable in fmu.names("input"):
-            if (name, variable) not in fed and variable not in parameters[name]:
+            if fmu.variables[variable].place not in known:
                 start = fmu.variables[variable].start
                 yield f"input {name}.{variable} of {fmu.path.name} is connected to nothing; it stays at {start}"

@@ -13,7 +13,6 @@ from ..fmi.instance import Value
 from ..probing.mobility import PowerPair, probed_mobility, published_mobility, with_step
 from .assembly import Assembly
 from .bonds import Bond
-from .rates import period
 
 Matrix = NDArray[np.float64]
 
@@ -34,7 +33,7 @@ def contact_mobility(assembly: Assembly, step: float, timeout: float | None = No
     for name in sorted(structures):
         bonds = bonds_of(assembly, name)
         fmu = assembly.fmus[name]
-        own_step = step * period(fmu, step)
+        own_step = step * assembly.periods(step)[name]
         parameters = with_step(fmu, assembly.parameters[name], own_step)
         published = published_mobility(fmu, parameters, timeout) if _as_in_contract(bonds) else None
         if published is None:

@@ -17,13 +17,13 @@ import numpy as np
 from numba import njit
 
 from .loop_calls import (
-    asks_to_end,
     borrowed,
     call_state,
     call_step_2,
     call_step_3,
     call_values_2,
     call_values_3,
+    flag,
     pack,
     unpack,
 )
@@ -31,8 +31,9 @@ from .loop_calls import (
 OK, SET, STEP, GET, NOT_FINITE, SAVE, RESTORE, NOT_CONVERGED = range(8)
 """What `advance` was doing when it stopped; OK: nothing wrong."""
 
-ENDED = 6
-"""In the place of an FMI status: the component asks to end the simulation."""
+ENDED, STOOD, TOO_LARGE = 6, 7, 8
+"""In the place of an FMI status: the component ends the simulation, returns early without getting on, or does not hold
+a value of its input."""
 
 Transfers = namedtuple(
     "Transfers",
@@ -41,11 +42,18 @@ Transfers = namedtuple(
         "function",  # (t,) addresses of the set or get functions
         "layout",  # (t,) data types of the values, positions in `loop_calls.LAYOUTS`
         "reference_begin",  # (t + 1,) positions in `reference`
-        "value_begin",  # (t + 1,) positions in `u` or `y`
+        "size",  # (t,) numbers of values that the functions exchange
+        "direct",  # (t,) whether these are doubles that stand in `u` or `y` side by side, in the same order
+        "value_begin",  # (t + 1,) positions in `place` and `slot`
+        "place",  # (v,) positions in `u` or `y`
+        "slot",  # (v,) positions among the values that the function exchanges; variables that are one share them
         "reference",  # (r,) value references, uint32
     ],
 )
 """The calls that set the inputs or get the outputs: one per component and type of variable."""
+
+Values = namedtuple("Values", ["real", "word"])
+"""Values as doubles and, where they are whole numbers, as integers of 64 bits; of the same length."""
 
 Plan = namedtuple(
     "Plan",
@@ -55,6 +63,7 @@ Plan = namedtuple(
         "handle",  # (components,) pointers to the instances
         "version",  # (components,) major version of FMI
         "period",  # (components,) communication steps that one step of a component takes
+        "flexible",  # (components,) whether the size of a step may change
         "do_step",  # (components,) addresses of the functions that make a step
         "get_state",  # (components,) addresses of the functions that get the state
         "set_state",  # (components,) addresses of the functions that set the state
@@ -63,7 +72,11 @@ Plan = namedtuple(
         "inputs",  # Transfers
         "outputs",  # Transfers
         "u",  # (inputs,) values that the components hold
+        "u_word",  # (inputs,) the same as whole numbers
         "y",  # (outputs,) latest outputs
+        "y_word",  # (outputs,) the same as whole numbers
+        "wide",  # (outputs,) whether an output is a whole number of 64 bits, which is recorded as such
+        "exact",  # (inputs,) whether an input is the whole number that feeds it
         "source",  # (inputs,) position in `y` of what feeds an input
         "gain",  # (inputs,) factor of the connection
         "offset",  # (inputs,) offset of the connection
@@ -71,6 +84,7 @@ Plan = namedtuple(
         "u_before",  # (inputs,) values at the start of the step
         "u_last",  # (inputs,) values of the sweep before
         "u_scale",  # (inputs, 2) nominal size, largest size so far
+        "ending",  # (1,) component that asked to end the simulation with this step, -1: none
         "sweeps",  # (4,) most sweeps per step, sweeps made, most in a step, input that converges last
         "tolerance",  # (1,) change at which a sweep is the last, relative to the size
         "scratch",  # (longest transfer,) for values that are not doubles
@@ -89,21 +103,26 @@ def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untype
     first = transfers.reference_begin[t]
     count = transfers.reference_begin[t + 1] - first
     references = transfers.reference.ctypes.data + 4 * first
-    begin = transfers.value_begin[t]
-    size = transfers.value_begin[t + 1] - begin
-    doubles = values.ctypes.data + 8 * begin
-    layout = transfers.layout[t]
-    address = doubles if layout == 0 else plan.scratch.ctypes.data
-    if setting and layout != 0:
-        pack(layout, address, doubles, size)
+    begin, end = transfers.value_begin[t], transfers.value_begin[t + 1]
+    layout, size, direct = transfers.layout[t], transfers.size[t], transfers.direct[t]
+    address = plan.scratch.ctypes.data
+    if direct:
+        address = values.real.ctypes.data + 8 * transfers.place[begin]
+    elif setting:
+        for i in range(begin, end):
+            k = transfers.place[i]
+            if not pack(layout, address, transfers.slot[i], values.real[k], values.word[k]):
+                return TOO_LARGE
     function = transfers.function[t]
     status: int
     if plan.version[c] == 2:
         status = call_values_2(function, plan.handle[c], references, count, address)  # type: ignore[call-arg]
     else:
         status = call_values_3(function, plan.handle[c], references, count, address, size)  # type: ignore[call-arg]
-    if layout != 0 and not setting:
-        unpack(layout, address, doubles, size)
+    if not direct and not setting:
+        for i in range(begin, end):
+            k = transfers.place[i]
+            values.real[k], values.word[k] = unpack(layout, address, transfers.slot[i])
     return status
 
 
@@ -113,11 +132,13 @@ def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
     transfers = plan.inputs
     worst = 0
     for t in range(transfers.begin[c], transfers.begin[c + 1]):
-        for i in range(transfers.value_begin[t], transfers.value_begin[t + 1]):
+        for k in range(transfers.value_begin[t], transfers.value_begin[t + 1]):
+            i = transfers.place[k]
             latest = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
             share = plan.share[i]
             plan.u[i] = latest if share == 1.0 else (1.0 - share) * plan.u_before[i] + share * latest
-        worst = max(worst, _exchange(plan, transfers, t, c, plan.u, True))
+            plan.u_word[i] = plan.y_word[plan.source[i]] if plan.exact[i] else np.int64(np.rint(plan.u[i]))
+        worst = max(worst, _exchange(plan, transfers, t, c, Values(plan.u, plan.u_word), True))
     return worst
 
 
@@ -127,25 +148,57 @@ def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
     transfers = plan.outputs
     worst = 0
     for t in range(transfers.begin[c], transfers.begin[c + 1]):
-        worst = max(worst, _exchange(plan, transfers, t, c, plan.y, False))
+        worst = max(worst, _exchange(plan, transfers, t, c, Values(plan.y, plan.y_word), False))
     return worst
 
 
+@njit(cache=True)
+def exchange(plan, c, setting):  # type: ignore[no-untyped-def]
+    """Bring the inputs of component `c` up to date, or get its outputs, between steps; return the FMI status."""
+    if not setting:
+        return _get_outputs(plan, c)
+    transfers = plan.inputs
+    for k in range(transfers.value_begin[transfers.begin[c]], transfers.value_begin[transfers.begin[c + 1]]):
+        i = transfers.place[k]
+        plan.u_before[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+    return _set_inputs(plan, c)
+
+
 @njit(inline="always")
-def _do_step(plan, c, number, start, h):  # type: ignore[no-untyped-def]
-    """Let component `c` make the step that ends with step `number`; return the FMI status, or `ENDED`."""
-    step = plan.period[c] * h
+def _do_step(plan, c, number, clock):  # type: ignore[no-untyped-def]
+    """Let component `c` make the step that ends with step `number`; return the FMI status, or `ENDED` or `STOOD`.
+
+    The last step ends at the stop time, to the bit, where the component takes any step.
+    """
+    start, h, total, stop = clock
     begin = start + (number + 1 - plan.period[c]) * h
+    step = plan.period[c] * h
+    if number + 1 == total and plan.flexible[c] and begin + step > stop:
+        step = stop - begin
     final = 1 if plan.sweeps[0] == 1 else 0  # whether the state before the step will not be asked for again
     if plan.version[c] == 2:
         return call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
     answer = plan.answer.ctypes.data + 16 * c
-    status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
-    return ENDED if status <= 1 and asks_to_end(answer) else status
+    end = begin + step
+    while True:
+        status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
+        ends, early, reached = flag(answer, 1), flag(answer, 2), plan.answer[c, 1]
+        if status > 2 or not (ends or early):
+            return status
+        if ends and (early or status == 2):
+            return ENDED
+        if ends:
+            plan.ending[0] = c
+            return status
+        if status == 2 or reached >= end:
+            return status
+        if not reached > begin:
+            return STOOD
+        begin, step = reached, end - reached
 
 
 @njit(inline="always")
-def _sweep(plan, number, start, h):  # type: ignore[no-untyped-def]
+def _sweep(plan, number, clock):  # type: ignore[no-untyped-def]
     """Let all components make step `number`; return what was done last, by which component, and the FMI status."""
     for s in range(plan.stage_begin.size - 1):
         for what in (SET, STEP, GET):
@@ -156,7 +209,7 @@ def _sweep(plan, number, start, h):  # type: ignore[no-untyped-def]
                 if what == SET:
                     status = _set_inputs(plan, c)
                 elif what == STEP:
-                    status = _do_step(plan, c, number, start, h)
+                    status = _do_step(plan, c, number, clock)
                 else:
                     status = _get_outputs(plan, c)
                 if status > 1:
@@ -193,10 +246,10 @@ def _change(plan):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _step(plan, number, start, h):  # type: ignore[no-untyped-def]
+def _step(plan, number, clock):  # type: ignore[no-untyped-def]
     """Make step `number`, in as many sweeps as the algorithm wants; return as `_sweep` does."""
     if plan.sweeps[0] == 1:
-        return _sweep(plan, number, start, h)
+        return _sweep(plan, number, clock)
     for i in range(plan.u.size):
         plan.u_before[i] = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
         plan.u_last[i] = plan.u_before[i]
@@ -208,7 +261,7 @@ def _step(plan, number, start, h):  # type: ignore[no-untyped-def]
             what, c, status = _states(plan, plan.set_state, False)
             if what != OK:
                 return what, c, status
-        what, c, status = _sweep(plan, number, start, h)
+        what, c, status = _sweep(plan, number, clock)
         if what != OK:
             return what, c, status
         if _change(plan) <= 1.0:
@@ -229,17 +282,37 @@ def _count_energy(plan, h):  # type: ignore[no-untyped-def]
         plan.energy[plan.bond_row[b], 1] += h * plan.u[i] * velocity
 
 
+@njit(inline="always")
+def put(row, words, k, real, word, wide):  # type: ignore[no-untyped-def]
+    """Record a value as column `k` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
+    if wide:
+        words[k] = word
+    else:
+        row[k] = real
+
+
+@njit(inline="always")
+def _record(plan, row, words):  # type: ignore[no-untyped-def]
+    """Record outputs and energy residuals."""
+    for j in range(plan.y.size):
+        put(row, words, j, plan.y[j], plan.y_word[j], plan.wide[j])
+    for e in range(plan.energy.shape[0]):
+        row[plan.y.size + e] = plan.energy[e, 0]
+
+
 @njit(cache=True)
-def advance(plan, clock, steps, every, record):  # type: ignore[no-untyped-def]
-    """Make `steps` steps and record every `every`-th.
+def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untyped-def]
+    """Make `steps` steps and record every `every`-th and the last of all.
 
     Parameters
     ----------
     plan : Plan
-    clock : (start time of the run [s], step [s], number of steps made before)
+    clock : (start time of the run [s], step [s], number of steps of the run, its stop time [s])
+    first : number of steps made before
     steps : number of steps to make
-    every : record after each step whose number is a multiple of this
-    record : (rows, outputs + energy rows) array that takes the outputs and the energy residuals
+    every : record after each step whose number is a multiple of this, and after the last one
+    record : (rows, outputs + energy rows) array that takes the outputs and the energy residuals, and the same memory
+        as integers, which takes the whole numbers of 64 bits
 
     Returns
     -------
@@ -247,21 +320,20 @@ def advance(plan, clock, steps, every, record):  # type: ignore[no-untyped-def]
     what, where, status : what went wrong (OK, SET, STEP, ...), where (a component; for NOT_FINITE the position in `y`,
         for NOT_CONVERGED that in `u`), FMI status
     """
-    start, h, first = clock
     plan = borrowed(plan)  # type: ignore[call-arg]
     rows = 0
-    outputs = plan.y.size
     for k in range(steps):
-        what, component, status = _step(plan, first + k, start, h)
+        what, component, status = _step(plan, first + k, clock)
         if what != OK:
             return k, rows, what, component, status
-        _count_energy(plan, h)
-        for j in range(outputs):
+        _count_energy(plan, clock[1])
+        for j in range(plan.y.size):
             if not np.isfinite(plan.y[j]):
                 return k, rows, NOT_FINITE, j, 0
-        if (first + k + 1) % every == 0:
-            record[rows, :outputs] = plan.y
-            for e in range(plan.energy.shape[0]):
-                record[rows, outputs + e] = plan.energy[e, 0]
+        number = first + k + 1
+        if number % every == 0 or number == clock[2] or plan.ending[0] >= 0:
+            _record(plan, record[0][rows], record[1][rows])
             rows += 1
+        if plan.ending[0] >= 0:
+            return k + 1, rows, STEP, plan.ending[0], ENDED
     return steps, rows, OK, 0, 0

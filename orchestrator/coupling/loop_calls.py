@@ -116,58 +116,83 @@ def borrowed(typing_context, arrays):  # type: ignore[no-untyped-def]  # noqa: A
 
 
 @njit(cache=True)
-def asks_to_end(answer):  # type: ignore[no-untyped-def]
-    """Return whether the answer to a step of FMI 3.0 has the flag that asks to end the simulation."""
-    return carray(_pointer(answer), 3, np.uint8)[1] != 0  # type: ignore[call-arg]
+def flag(answer, number):  # type: ignore[no-untyped-def]
+    """Return a flag of the answer to a step of FMI 3.0: event, end of the simulation, early return."""
+    return carray(_pointer(answer), 3, np.uint8)[number] != 0  # type: ignore[call-arg]
+
+
+# A value stands in a plan as a double and, where it is a whole number, as an integer of 64 bits besides: doubles hold
+# whole numbers up to 2^53 only.
+
+
+_LOWEST = np.array([-(2**63)] * 2 + [np.iinfo(k).min if k.kind in "iu" else -(2**63) for k in LAYOUTS[2:]], np.int64)
+_HIGHEST = np.array(
+    [2**63 - 1] * 2 + [min(np.iinfo(k).max, 2**63 - 1) if k.kind in "iu" else 2**63 - 1 for k in LAYOUTS[2:]]
+)
+"""Whole numbers that a layout holds; those of 64 bits without sign stand in a plan bit by bit."""
+_LOWEST[-1] = -(2**63)
 
 
 @njit(cache=True)
-def pack(layout, memory, values, n):  # type: ignore[no-untyped-def]
-    """Write `n` doubles at address `values` to address `memory` in another layout; whole numbers are rounded to."""
-    doubles = carray(_pointer(values), n, np.float64)  # type: ignore[call-arg]
-    target = _pointer(memory)
-    if layout == 1:
-        carray(target, n, np.float32)[:] = doubles
-    elif layout == 2:
-        carray(target, n, np.int32)[:] = np.rint(doubles)
-    elif layout == 3:
-        carray(target, n, np.int64)[:] = np.rint(doubles)
+def pack(layout, memory, k, value, word):  # type: ignore[no-untyped-def]
+    """Write a value as element `k` at address `memory` in a layout; return whether it fits in there.
+
+    Parameters
+    ----------
+    value, word : the value as a double, and as a whole number for a layout of whole numbers
+    """
+    place = _pointer(memory)  # type: ignore[call-arg, var-annotated]
+    if layout == 0:
+        carray(place, k + 1, np.float64)[k] = value
+    elif layout == 1:
+        carray(place, k + 1, np.float32)[k] = value
     elif layout == 4:
-        carray(target, n, np.uint8)[:] = doubles != 0.0
-    elif layout == 5:
-        carray(target, n, np.int8)[:] = np.rint(doubles)
-    elif layout == 6:
-        carray(target, n, np.uint8)[:] = np.rint(doubles)
-    elif layout == 7:
-        carray(target, n, np.int16)[:] = np.rint(doubles)
-    elif layout == 8:
-        carray(target, n, np.uint16)[:] = np.rint(doubles)
-    elif layout == 9:
-        carray(target, n, np.uint32)[:] = np.rint(doubles)
+        carray(place, k + 1, np.uint8)[k] = word != 0
+    elif layout in (5, 6):
+        carray(place, k + 1, np.int8)[k] = word
+    elif layout in (7, 8):
+        carray(place, k + 1, np.int16)[k] = word
+    elif layout in (2, 9):
+        carray(place, k + 1, np.int32)[k] = word
     else:
-        carray(target, n, np.uint64)[:] = np.rint(doubles)
+        carray(place, k + 1, np.int64)[k] = word
+    if layout == 10 or (layout > 1 and word < 0 < value):  # bit by bit
+        return value >= 0.0 and layout == 10
+    return _LOWEST[layout] <= word <= _HIGHEST[layout]
 
 
 @njit(cache=True)
-def unpack(layout, memory, values, n):  # type: ignore[no-untyped-def]
-    """Read `n` values in a layout at address `memory` as doubles to address `values`."""
-    doubles = carray(_pointer(values), n, np.float64)  # type: ignore[call-arg]
-    source = _pointer(memory)
+def unpack(layout, memory, k):  # type: ignore[no-untyped-def]
+    """Return element `k` at address `memory` in a layout, as a double and as a whole number (0 if it is none)."""
+    place = _pointer(memory)  # type: ignore[call-arg, var-annotated]
+    if layout == 0:
+        return carray(place, k + 1, np.float64)[k], np.int64(0)
     if layout == 1:
-        doubles[:] = carray(source, n, np.float32)
-    elif layout == 2:
-        doubles[:] = carray(source, n, np.int32)
-    elif layout == 3:
-        doubles[:] = carray(source, n, np.int64)
-    elif layout in (4, 6):
-        doubles[:] = carray(source, n, np.uint8)
-    elif layout == 5:
-        doubles[:] = carray(source, n, np.int8)
-    elif layout == 7:
-        doubles[:] = carray(source, n, np.int16)
-    elif layout == 8:
-        doubles[:] = carray(source, n, np.uint16)
-    elif layout == 9:
-        doubles[:] = carray(source, n, np.uint32)
-    else:
-        doubles[:] = carray(source, n, np.uint64)
+        return np.float64(carray(place, k + 1, np.float32)[k]), np.int64(0)
+    word = _whole(layout, place, k)
+    return np.float64(np.uint64(word)) if layout == 10 else np.float64(word), word
+
+
+@njit(cache=True)
+def _whole(layout, place, k):  # type: ignore[no-untyped-def]
+    """Return a whole number, one of 64 bits without sign bit by bit."""
+    if layout == 2:
+        return np.int64(carray(place, k + 1, np.int32)[k])
+    if layout == 4:
+        return np.int64(carray(place, k + 1, np.uint8)[k] != 0)
+    if layout == 5:
+        return np.int64(carray(place, k + 1, np.int8)[k])
+    if layout in (6, 7, 8, 9):
+        return _short(layout, place, k)
+    return carray(place, k + 1, np.int64)[k]
+
+
+@njit(cache=True)
+def _short(layout, place, k):  # type: ignore[no-untyped-def]
+    if layout == 6:
+        return np.int64(carray(place, k + 1, np.uint8)[k])
+    if layout == 7:
+        return np.int64(carray(place, k + 1, np.int16)[k])
+    if layout == 8:
+        return np.int64(carray(place, k + 1, np.uint16)[k])
+    return np.int64(carray(place, k + 1, np.uint32)[k])

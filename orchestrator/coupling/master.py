@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from ..errors import InputError, SimulationError
 from ..fmi.instance import STATUS, FmuInstance, Value
 from ..probing.mobility import with_step
-from ..results.file import ResultsFile
+from ..results.file import Column, Results
 from . import loop, recording
 from .algorithms import find_algorithm, stages
 from .assembly import Assembly
 from .contact_mobility import contact_mobility
-from .plan import Wiring, make_plan, transfers
-from .rates import period
+from .notices import notices
+from .plan import Schedule, Wiring, make_plan, transfers, wide
 from .settings import Progress, Settings
+from .texts import Texts
 
 __all__ = ["Master", "Progress", "Settings"]
 
@@ -54,19 +55,15 @@ class Master:
         self.assembly = assembly
         self.settings = settings
         self.algorithm = find_algorithm(settings.algorithm)
-        coupling = assembly.coupling()
-        self.stages = stages(settings.algorithm, coupling)
-        self.periods = {name: period(fmu, settings.step) for name, fmu in assembly.fmus.items()}
-        self._check_algorithm()
-        self.notices = [] if self.algorithm.simultaneous else coupling.guesses()
-        self.notices += [
-            f"{name} makes one step of {settings.step * n:g} s in {n} communication steps"
-            for name, n in self.periods.items()
-            if n > 1
-        ]
+        self.stages = stages(settings.algorithm, assembly.coupling)
+        self.periods = assembly.periods(settings.step)
+        self.stop = settings.stop(assembly.system.start)
+        self._check()
+        self.notices = list(notices(assembly, settings))
         self.parameters = self._all_parameters()
         self.wiring = Wiring.of(assembly)
         self.outputs = list(self.wiring.outputs)
+        self._index = {name: k for k, name in enumerate(assembly.fmus)}
         self.directions = list(self.wiring.directions)
         self.further = recording.recorded(assembly.fmus, settings.record)
         self.progress = Progress(settings.steps)
@@ -76,10 +73,18 @@ class Master:
             for name, fmu in assembly.fmus.items():
                 self.instances[name] = FmuInstance(fmu, name, settings.timeout)
                 stack.callback(self.instances[name].close)
-            self.plan = make_plan(assembly, self.instances, self.wiring, self.stages, self.algorithm, self.periods)
+            self.texts = Texts.of(assembly, self.instances)
+            schedule = Schedule(self.algorithm, self.stages, self.periods)
+            self.plan = make_plan(assembly, self.instances, self.wiring, schedule, self.texts)
+            self._more = self._further()
             stack.callback(self._free_states)
             self._initialise()
             self._exit = stack.pop_all()
+        apart = [name for name, instance in self.instances.items() if instance.apart and settings.timeout is None]
+        if apart:
+            self.notices.append(
+                f"{', '.join(apart)}: a process can have one instance of this FMU only; in a process of its own, slowly"
+            )
 
     def __enter__(self) -> Master:
         """Return the master itself."""
@@ -89,32 +94,53 @@ class Master:
         """Free all instances."""
         self._exit.close()
 
-    def signals(self) -> list[tuple[str, str, str]]:
-        """Return name, unit and description of each recorded column."""
-        fmus = self.assembly.fmus
-        columns = [
-            (f"{name}.{variable}", fmus[name].unit(variable) or "", fmus[name].variables[variable].description or "")
-            for name, variable in self.outputs + self.further
-        ]
+    def signals(self) -> list[Column]:
+        """Return the recorded columns."""
+        columns = [self._column(name, variable) for name, variable in self.outputs + self.further]
         energy = [
-            (f"energy_residual.{d}", "J", f"energy that the coupling scheme added so far, {d}") for d in self.directions
+            Column(f"energy_residual.{d}", "J", f"energy that the coupling scheme added so far, {d}")
+            for d in self.directions
         ]
         return columns[: len(self.outputs)] + energy + columns[len(self.outputs) :]
 
-    def _check_algorithm(self) -> None:
-        """Raise InputError if the algorithm repeats steps and a component cannot."""
-        if self.algorithm.sweeps == 1:
-            return
+    def _column(self, name: str, variable: str) -> Column:
+        """Return the column of a variable, in its type."""
+        fmu, instance = self.assembly.fmus[name], self.instances[name]
+        known = fmu.variables[variable]
+        dtype = np.dtype(bool) if known.type == "Boolean" else instance.layout(known.fmi_type)
+        return Column(f"{name}.{variable}", fmu.unit(variable) or "", known.description or "", dtype)
+
+    def _further(self) -> recording.Further:
+        """Return the calls that get the further variables, and room for these."""
+        count = len(self.further)
+        calls = transfers(self.assembly, self.instances, self.further, "Get")
+        room = max(self.plan.scratch.size, calls.size.max(initial=1))
+        self.plan = self.plan._replace(scratch=np.zeros(room, dtype=np.uint64))
+        return recording.Further(
+            calls, np.zeros(count), np.zeros(count, dtype=np.int64), wide(self.assembly, self.further)
+        )
+
+    def _check(self) -> None:
+        """Raise InputError if a component does not get to the end, or cannot repeat a step that has to be."""
         for name, fmu in self.assembly.fmus.items():
+            count = self.periods[name]
+            if self.settings.steps % count:
+                raise InputError(
+                    f"{name} makes one step in {count} communication steps, and the run has {self.settings.steps}: it "
+                    f"would not get to the end; take a duration that is a multiple of {count * self.settings.step:g} s"
+                )
+            if self.algorithm.sweeps == 1:
+                continue
             why = None
             if not fmu.can_roll_back:
                 why = "cannot get and set its state"
-            elif self.periods[name] > 1:
+            elif count > 1:
                 why = "steps more slowly than the others"
             if why is not None:
+                other = "jacobi" if self.assembly.coupling.order.loops else "staggered"
                 raise InputError(
                     f"{self.settings.algorithm}: {name} ({fmu.path.name}) {why}, so a step cannot be repeated; "
-                    "use the algorithm staggered"
+                    f"use the algorithm {other}"
                 )
 
     def _all_parameters(self) -> dict[str, dict[str, Value]]:
@@ -127,35 +153,42 @@ class Master:
 
     def _initialise(self) -> None:
         """Set parameters, let outputs and inputs agree in initialisation mode, and make the exchange after it."""
-        start, stop = self.assembly.system.start, self.assembly.system.start + self.settings.duration
+        start = self.assembly.system.start
         for name, instance in self.instances.items():
             instance.set(self.parameters[name])
-            instance.enter_initialization_mode(start, stop)
+            instance.enter_initialization_mode(start, self._told_stop(name))
         for _ in range(self.algorithm.sweeps):
             before = self.plan.y.copy()
             for stage in self.stages:
                 for name in stage:
-                    self._bring_inputs(name)
-                    self._fetch_outputs(name)
+                    self._exchange(name, loop.SET)
+                    self._exchange(name, loop.GET)
             if np.allclose(self.plan.y, before, rtol=self.algorithm.tolerance, atol=0):
                 break
         for name, instance in self.instances.items():
-            self._bring_inputs(name)
+            self._exchange(name, loop.SET)
             instance.exit_initialization_mode()
         for name in self.instances:
-            self._fetch_outputs(name)
+            self._exchange(name, loop.GET)
 
-    def _bring_inputs(self, name: str) -> None:
-        """Set the inputs of a component from the latest outputs."""
-        plan, part = self.plan, self.wiring.inputs_of(name)
-        plan.u[part] = plan.gain[part] * plan.y[plan.source[part]] + plan.offset[part]
-        variables = [each.key[1] for each in self.wiring.inputs[part]]
-        self.instances[name].set(dict(zip(variables, plan.u[part].tolist(), strict=True)))
+    def _told_stop(self, name: str) -> float:
+        """Return the stop time that a component is told: where its last step ends, to the bit, by its own sum."""
+        h, count = self.settings.step, self.periods[name]
+        if self.assembly.fmus[name].takes_any_step:
+            return self.stop
+        last = self.assembly.system.start + (self.settings.steps - count) * h
+        return max(self.stop, last + count * h)
 
-    def _fetch_outputs(self, name: str) -> None:
-        """Read the outputs of a component."""
-        part = self.wiring.outputs_of(name)
-        self.plan.y[part] = self.instances[name].get_real([variable for _, variable in self.outputs[part]])
+    def _exchange(self, name: str, what: int) -> None:
+        """Bring the inputs of a component up to date or get its outputs, between steps."""
+        where = self._index[name]
+        status = loop.exchange(self.plan, where, what == loop.SET)
+        if status > 1:
+            raise SimulationError(self._explain(what, where, status, self.assembly.system.start))
+
+    def refresh(self) -> None:
+        """Get the texts that components put out, after their states were set."""
+        self.texts.refresh()
 
     def _free_states(self) -> None:
         """Free the states that an iteration went back to."""
@@ -165,12 +198,12 @@ class Master:
 
     def run(
         self,
-        results: ResultsFile | None = None,
+        results: Results | None = None,
         report: Callable[[Progress], None] = lambda _: None,
         stop_requested: Callable[[], bool] = lambda: False,
         steps: int | None = None,
     ) -> Progress:
-        """Step on to the end, or until a stop is requested.
+        """Step on to the end, or until a stop is requested or a component ends the run.
 
         Parameters
         ----------
@@ -186,36 +219,68 @@ class Master:
         """
         progress = self.progress
         end = progress.total if steps is None else min(progress.steps + steps, progress.total)
+        if results is not None and progress.steps == 0:
+            results.append(np.array([self.assembly.system.start]), self._first_row())
         for times, rows in self._chunks(end):
             if results is not None and times.size:
                 results.append(times, rows)
             report(progress)
+            if progress.ended:
+                break
             if stop_requested():
                 progress.stopped = True
                 break
         return progress
 
+    def _first_row(self) -> Rows:
+        """Return what is recorded after the initialisation."""
+        row = np.zeros((1, len(self.signals())))
+        where, status = recording.snapshot(self.plan, self._more, (row, row.view(np.int64)))
+        if status > 1:
+            raise SimulationError(self._explain(loop.GET, where, status, self.assembly.system.start))
+        return row
+
     def _chunks(self, end: int) -> Iterator[tuple[Rows, Rows]]:
         """Run the compiled loop chunk by chunk up to step `end`; yield the times and rows that each records."""
         h, every, progress = self.settings.step, self.settings.record_every, self.progress
-        start = self.assembly.system.start
+        clock = (self.assembly.system.start, h, progress.total, self.stop)
+        columns = len(self.signals())
         size = max(every, 100)
-        further = transfers(self.assembly, self.instances, self.further, "Get")
-        while progress.steps < end:
+        while progress.steps < end and not progress.ended:
             steps = min(size, end - progress.steps)
-            rows = np.empty((steps // every + 1, len(self.signals())))
+            rows = np.empty((steps // every + 2, columns))
+            record = (rows, rows.view(np.int64))
             begin = time.perf_counter()
-            clock = (start, h, progress.steps)
-            done, count, what, where, status = recording.advance(self.plan, further, clock, steps, every, rows)
+            done, count, what, where, status = recording.advance(
+                self.plan, self._more, clock, progress.steps, steps, every, record
+            )
             elapsed = time.perf_counter() - begin
             first = (progress.steps // every + 1) * every
             progress.wall += elapsed
             progress.steps += done
             self._take_figures()
-            yield start + h * (first + every * np.arange(count)), rows[:count]
-            if what != loop.OK:
-                raise SimulationError(self._explain(what, where, status, start + h * progress.steps))
+            numbers = np.minimum(first + every * np.arange(count), progress.steps)
+            fault = what != loop.OK and not self._ended(what, where, status)
+            yield self._times(numbers), rows[:count]
+            if fault:
+                raise SimulationError(self._explain(what, where, status, self._times(np.array([progress.steps]))[0]))
             size = int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 4 * size)) // every * every or every
+
+    def _times(self, numbers: NDArray[np.int64]) -> Rows:
+        """Return the times after steps of these numbers, as the components were told them."""
+        times = self.assembly.system.start + self.settings.step * numbers
+        return np.where(numbers == self.progress.total, self.stop, times)
+
+    def _ended(self, what: int, where: int, status: int) -> bool:
+        """Return whether a component ended the run, and say so in the progress."""
+        if what != loop.STEP:
+            return False
+        instance = list(self.instances.values())[where]
+        if status == loop.ENDED or (STATUS[status : status + 1] == ("discard",) and instance.ended()):
+            at = self._times(np.array([self.progress.steps]))[0]
+            self.progress.ended = f"{instance.name} ended the simulation at t = {at:.9g} s{instance.last_message()}"
+            return True
+        return False
 
     def _take_figures(self) -> None:
         """Bring energies and sweeps of the progress up to date."""
@@ -239,14 +304,16 @@ class Master:
                 f"{self.algorithm.sweeps} sweeps {at}; take a smaller step or another algorithm"
             )
         instance = list(self.instances.values())[where]
-        if status == loop.ENDED:
-            return f"{instance.name}: asks to end the simulation {at}{instance.last_message()}"
+        if status == loop.STOOD:
+            return f"{instance.name}: doStep returned early {at} without getting on{instance.last_message()}"
+        if status == loop.TOO_LARGE:
+            return f"{instance.name}: an input does not hold the whole number that is connected to it, {at}"
         said = STATUS[status] if status < len(STATUS) else str(status)
         instance.lost = said == "fatal"
         return f"{instance.name}: {_CALLS[what]} returned {said} {at}{instance.last_message()}"
 
 
 _CALLS = {
-    loop.SET: "setReal", loop.STEP: "doStep", loop.GET: "getReal",
+    loop.SET: "setting inputs", loop.STEP: "doStep", loop.GET: "getting outputs",
     loop.SAVE: "getFMUstate", loop.RESTORE: "setFMUstate",
 }  # fmt: skip

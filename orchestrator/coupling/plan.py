@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fmi.file import Fmu
+from ..fmi.file import NUMERIC, WHOLE, Fmu, Variable
 from ..fmi.instance import FmuInstance
 from . import loop
 from .algorithms import Algorithm
 from .assembly import Assembly
 from .bonds import Link
 from .loop_calls import LAYOUTS
+from .texts import Texts
 
-NUMERIC = ("Real", "Integer", "Enumeration", "Boolean")
-"""Types that can be exchanged and recorded."""
+_DOUBLES = 0
+"""Position of doubles in `LAYOUTS`."""
 
 Key = tuple[str, str]
 """Component and variable."""
@@ -58,36 +60,47 @@ class Wiring:
     @classmethod
     def of(cls, assembly: Assembly) -> Wiring:
         """Return the wiring of a system; every numeric output is exchanged."""
-        inputs, outputs = [], []
+        inputs: list[Input] = []
+        outputs: list[Key] = []
+        fed: dict[str, dict[str, Link]] = {name: {} for name in assembly.fmus}
+        for link in assembly.links:
+            fed[link.wire.end_element][link.wire.end_connector] = link
         for name, fmu in assembly.fmus.items():
-            links = {k.wire.end_connector: k for k in assembly.links if k.wire.end_element == name}
-            for variable in call_order(fmu, links):
-                inputs.append(_input((name, variable), links.get(variable), assembly))
+            links = {v: link for v, link in fed[name].items() if fmu.variables[v].type in NUMERIC}
+            inputs += [_input((name, variable), links.get(variable), assembly) for variable in call_order(fmu, links)]
             numeric = [v for v in fmu.names("output") if fmu.variables[v].type in NUMERIC]
             outputs += [(name, variable) for variable in call_order(fmu, numeric)]
         return cls(tuple(inputs), tuple(outputs), tuple(dict.fromkeys(b.direction for b in assembly.bonds)))
 
+    @cached_property
+    def _places(self) -> tuple[dict[str, slice], dict[str, slice]]:
+        return _parts([each.key[0] for each in self.inputs]), _parts([name for name, _ in self.outputs])
+
     def inputs_of(self, component: str) -> slice:
         """Return where the inputs of a component stand."""
-        return _part([each.key[0] for each in self.inputs], component)
+        return self._places[0].get(component, slice(0, 0))
 
     def outputs_of(self, component: str) -> slice:
         """Return where the outputs of a component stand."""
-        return _part([name for name, _ in self.outputs], component)
+        return self._places[1].get(component, slice(0, 0))
 
 
-def _part(owners: Sequence[str], component: str) -> slice:
-    """Return where a component's entries stand in a list in which they follow each other."""
-    first = owners.index(component) if component in owners else 0
-    return slice(first, first + owners.count(component))
+def _parts(owners: Sequence[str]) -> dict[str, slice]:
+    """Return where each component's entries stand in a list in which they follow each other."""
+    begin, parts = 0, {}
+    for owner, group in groupby(owners):
+        count = sum(1 for _ in group)
+        parts[owner] = slice(begin, begin + count)
+        begin += count
+    return parts
 
 
 def _input(key: Key, link: Link | None, assembly: Assembly) -> Input:
     """Return an input as its connection feeds it, or held at its value."""
     if link is not None:
         return Input(key, (link.wire.start_element, link.wire.start_connector), link.gain, link.offset)
-    start = assembly.fmus[key[0]].variables[key[1]].start
-    return Input(key, None, 0.0, float(assembly.parameters[key[0]].get(key[1], start or 0.0)))
+    start = assembly.fmus[key[0]].variables[key[1]].start_value
+    return Input(key, None, 0.0, float(assembly.parameters[key[0]].get(key[1], start)))
 
 
 def call_order(fmu: Fmu, names: Iterable[str]) -> list[str]:
@@ -99,37 +112,60 @@ def call_order(fmu: Fmu, names: Iterable[str]) -> list[str]:
     return [v.name for v in sorted(ordered, key=lambda v: kinds.index(v.fmi_type))]
 
 
+@dataclass(frozen=True)
+class Schedule:
+    """Who steps when.
+
+    Attributes
+    ----------
+    algorithm : the master algorithm
+    stages : components, stage by stage
+    periods : communication steps that one step of a component takes
+    """
+
+    algorithm: Algorithm
+    stages: Sequence[Sequence[str]]
+    periods: Mapping[str, int]
+
+
 def make_plan(
     assembly: Assembly,
     instances: Mapping[str, FmuInstance],
     wiring: Wiring,
-    stages: Sequence[Sequence[str]],
-    algorithm: Algorithm,
-    periods: Mapping[str, int],
+    how: Schedule,
+    texts: Texts,
 ) -> loop.Plan:
     """Resolve names to indices and functions to addresses."""
     names = list(assembly.fmus)
-    inputs = wiring.inputs
+    index = {name: k for k, name in enumerate(names)}
+    inputs, fmus = wiring.inputs, list(assembly.fmus.values())
     ends = [each.key for each in inputs]
     place_y = {key: i for i, key in enumerate(wiring.outputs)}
     place_u = {key: i for i, key in enumerate(ends)}
-    dependent = assembly.coupling().dependent()
-    rolling = algorithm.sweeps > 1
+    dependent = set(assembly.coupling.dependent())
+    algorithm, rolling = how.algorithm, how.algorithm.sweeps > 1
+    into = transfers(assembly, instances, ends, "Set", texts)
+    out = transfers(assembly, instances, wiring.outputs, "Get", texts)
     return loop.Plan(
-        stage_begin=_begins([len(stage) for stage in stages]),
-        order=_whole([names.index(name) for stage in stages for name in stage]),
+        stage_begin=_begins([len(stage) for stage in how.stages]),
+        order=_whole([index[name] for stage in how.stages for name in stage]),
         handle=_whole([instances[name].handle for name in names]),
-        version=_whole([assembly.fmus[name].version for name in names]),
-        period=_whole([periods[name] for name in names]),
+        version=_whole([fmu.version for fmu in fmus]),
+        period=_whole([how.periods[name] for name in names]),
+        flexible=np.array([fmu.takes_any_step for fmu in fmus]),
         do_step=_whole([instances[name].address("DoStep") for name in names]),
         get_state=_whole([instances[name].state_function("Get") if rolling else 0 for name in names]),
         set_state=_whole([instances[name].state_function("Set") if rolling else 0 for name in names]),
         state=np.zeros(len(names), dtype=np.int64),
         answer=np.zeros((len(names), 2)),
-        inputs=transfers(assembly, instances, ends, "Set"),
-        outputs=transfers(assembly, instances, wiring.outputs, "Get"),
+        inputs=into,
+        outputs=out,
         u=np.zeros(len(inputs)),
+        u_word=np.zeros(len(inputs), dtype=np.int64),
         y=np.zeros(len(wiring.outputs)),
+        y_word=np.zeros(len(wiring.outputs), dtype=np.int64),
+        wide=wide(assembly, wiring.outputs),
+        exact=np.array([_is_exact(each, assembly) for each in inputs], dtype=bool),
         source=_whole([0 if each.source is None else place_y[each.source] for each in inputs]),
         gain=np.array([each.gain for each in inputs]),
         offset=np.array([each.offset for each in inputs]),
@@ -137,9 +173,10 @@ def make_plan(
         u_before=np.zeros(len(inputs)),
         u_last=np.zeros(len(inputs)),
         u_scale=np.array([[assembly.fmus[e].variables[v].nominal or 0.0, 0.0] for e, v in ends]).reshape(-1, 2),
+        ending=_whole([-1]),
         sweeps=_whole([algorithm.sweeps, 0, 0, 0]),
         tolerance=np.array([algorithm.tolerance]),
-        scratch=np.zeros(max(len(inputs), len(wiring.outputs), 1), dtype=np.uint64),
+        scratch=np.zeros(max(into.size.max(initial=1), out.size.max(initial=1)), dtype=np.uint64),
         bond_force=_whole([place_u[b.force.wire.end_element, b.force.wire.end_connector] for b in assembly.bonds]),
         bond_velocity=_whole(
             [place_y[b.velocity.wire.start_element, b.velocity.wire.start_connector] for b in assembly.bonds]
@@ -149,31 +186,81 @@ def make_plan(
     )
 
 
+def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.bool_]:
+    """Return which variables are whole numbers of 64 bits, which a double need not hold."""
+    kinds = [assembly.fmus[element].variables[name].fmi_type for element, name in keys]
+    return np.array([kind in ("Int64", "UInt64") for kind in kinds], dtype=bool)
+
+
+def _is_exact(each: Input, assembly: Assembly) -> bool:
+    """Return whether an input is a whole number just as another FMU puts it out."""
+    if each.source is None or (each.gain, each.offset) != (1.0, 0.0):
+        return False
+    return all(assembly.fmus[element].variables[name].type in WHOLE for element, name in (each.source, each.key))
+
+
 def transfers(
-    assembly: Assembly, instances: Mapping[str, FmuInstance], keys: Sequence[Key], direction: str
+    assembly: Assembly,
+    instances: Mapping[str, FmuInstance],
+    keys: Sequence[Key],
+    direction: str,
+    texts: Texts | None = None,
 ) -> loop.Transfers:
-    """Return the calls that set or get variables: one per component and type; `keys` in call order."""
-    begin, functions, layouts, reference_counts, value_counts = [0], [], [], [], []
-    references: list[int] = []
+    """Return the calls that set or get variables: one per component and type, and one for the texts of a component.
+
+    Variables that share a value reference are exchanged once.
+    """
+    own: dict[str, dict[str, list[int]]] = {}
+    for place, (element, name) in enumerate(keys):
+        kind = assembly.fmus[element].variables[name].fmi_type
+        own.setdefault(element, {}).setdefault(kind, []).append(place)
+    begin, functions, calls = [0], [], []
     for name, fmu in assembly.fmus.items():
-        own = [fmu.variables[variable] for element, variable in keys if element == name]
-        for kind, group in groupby(own, lambda v: v.fmi_type):
-            variables = list(group)
-            unique = list(dict.fromkeys(v.valueReference for v in variables))
+        for kind, places in own.get(name, {}).items():
+            variables = [fmu.variables[keys[place][1]] for place in places]
             functions.append(instances[name].value_function(direction, kind))
-            layouts.append(LAYOUTS.index(instances[name].layout(kind)))
-            references += unique
-            reference_counts.append(len(unique))
-            value_counts.append(len(variables))
+            calls.append(_Call.of(variables, places, LAYOUTS.index(instances[name].layout(kind))))
+        if texts is not None and texts.function(name, direction):
+            functions.append(texts.function(name, direction))
+            calls.append(_Call(-1, [], 0, [], []))
         begin.append(len(functions))
     return loop.Transfers(
         begin=_whole(begin),
         function=_whole(functions),
-        layout=_whole(layouts),
-        reference_begin=_begins(reference_counts),
-        value_begin=_begins(value_counts),
-        reference=np.array(references, dtype=np.uint32),
+        layout=_whole([call.layout for call in calls]),
+        reference_begin=_begins([len(call.references) for call in calls]),
+        size=_whole([call.size for call in calls]),
+        direct=np.array([call.direct for call in calls], dtype=bool),
+        value_begin=_begins([len(call.places) for call in calls]),
+        place=_whole([place for call in calls for place in call.places]),
+        slot=_whole([slot for call in calls for slot in call.slots]),
+        reference=np.array([r for call in calls for r in call.references], dtype=np.uint32),
     )
+
+
+@dataclass(frozen=True)
+class _Call:
+    """One call that sets or gets variables, see `loop.Transfers`."""
+
+    layout: int
+    references: list[int]
+    size: int
+    places: list[int]
+    slots: list[int]
+
+    @classmethod
+    def of(cls, variables: Sequence[Variable], places: list[int], layout: int) -> _Call:
+        """Return the call that exchanges variables of one type, each value reference once."""
+        sizes = {v.valueReference: v.size for v in variables}
+        first = dict(zip(sizes, _begins(list(sizes.values())).tolist(), strict=False))
+        slots = [first[v.valueReference] + v.element for v in variables]
+        return cls(layout, list(sizes), sum(sizes.values()), places, slots)
+
+    @property
+    def direct(self) -> bool:
+        """Whether the values stand in the plan just as the function exchanges them."""
+        side_by_side = self.places == list(range(self.places[0], self.places[0] + self.size)) if self.places else False
+        return self.layout == _DOUBLES and side_by_side and self.slots == list(range(self.size))
 
 
 def _whole(values: Sequence[int]) -> NDArray[np.int64]:

@@ -1,29 +1,38 @@
-"""How often a component steps: its own step, if it insists on one, against the communication step."""
+"""How often a component steps: the step that the system gives it, if it does, against the communication step."""
 
 from __future__ import annotations
 
 from ..errors import InputError
-from ..fmi.file import Fmu
 
 _SAME = 1e-6
 """Relative difference of steps that is rounding of their decimals."""
 
 
-def period(fmu: Fmu, step: float) -> int:
-    """Return how many communication steps one step of an FMU takes; 1 for an FMU that takes any step.
+def period(name: str, own: float | None, step: float) -> int:
+    """Return how many communication steps one step of a component takes; 1 unless the system gives it a longer one.
+
+    Parameters
+    ----------
+    name : of the component, for messages
+    own : step that an annotation gives it [s]
+    step : communication step [s]
 
     Raises
     ------
     InputError
-        If the FMU insists on a step that is neither a whole multiple of the communication step nor a whole part of it.
+        If its step is no whole multiple of the communication step.
     """
-    own = fmu.own_step
     if own is None:
         return 1
-    for large, small, found in ((own, step, round(own / step)), (step, own, 1)):
-        if large >= small * (1 - _SAME) and abs(large / small - round(large / small)) < _SAME * large / small:
-            return found
+    count = round(own / step)
+    if count >= 1 and abs(own / step - count) < _SAME * count:
+        return count
     raise InputError(
-        f"{fmu.path.name} steps by {own:g} s and no other way; the communication step of {step:g} s is neither a whole "
-        "part nor a whole multiple of it"
+        f"{name}: the system has it step by {own:g} s, no whole multiple of the communication step of {step:g} s"
     )
+
+
+def is_multiple(step: float, inner: float) -> bool:
+    """Return whether a step is a whole multiple of another."""
+    count = round(step / inner)
+    return count >= 1 and abs(step / inner - count) < _SAME * count

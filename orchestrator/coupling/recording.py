@@ -5,20 +5,19 @@ The outputs are fetched at every step, because the coupling needs them; these on
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Mapping, Sequence
 
 from numba import njit
 
 from ..errors import InputError
-from ..fmi.file import Fmu
+from ..fmi.file import NUMERIC, Fmu
 from ..results.columns import MODAL_VELOCITIES, matches
 from . import loop
 
-_DOUBLE = ("Real", "Float64")
-
 
 def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tuple[str, str]]:
-    """Return component and name of the real local variables that match a pattern, component by component.
+    """Return component and name of the local variables that match a pattern, component by component, in call order.
 
     Parameters
     ----------
@@ -30,12 +29,12 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     InputError
         If a pattern matches no variable that can be recorded.
     """
-    local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].fmi_type in _DOUBLE]
+    local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].type in NUMERIC]
     outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output")]
     for pattern in wanted or ():
         if not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
             raise InputError(
-                f"record {pattern}: matches no output and no real local variable; "
+                f"record {pattern}: matches no output and no local variable that is a number; "
                 f"a pattern looks like {MODAL_VELOCITIES}"
             )
     chosen = (MODAL_VELOCITIES,) if wanted is None else wanted
@@ -53,43 +52,59 @@ def patterns(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     return () if list(texts) == ["none"] else tuple(texts)
 
 
+Further = namedtuple("Further", ["transfers", "real", "word", "wide"])
+"""Variables that are fetched when a row is recorded: the calls that get them, their latest values, whether they are
+whole numbers of 64 bits."""
+
+
 @njit(cache=True)
-def _fetch(plan, more, row):  # type: ignore[no-untyped-def]
+def _fetch(plan, more, row, words):  # type: ignore[no-untyped-def]
     """Get the further variables into the end of a row; return component and FMI status of a call that failed."""
-    values = row[row.size - more.value_begin[-1] :]
-    for c in range(more.begin.size - 1):
-        for t in range(more.begin[c], more.begin[c + 1]):
-            status = loop._exchange(plan, more, t, c, values, False)
+    values = loop.Values(more.real, more.word)
+    for c in range(more.transfers.begin.size - 1):
+        for t in range(more.transfers.begin[c], more.transfers.begin[c + 1]):
+            status = loop._exchange(plan, more.transfers, t, c, values, False)
             if status > 1:
                 return c, status
+    before = row.size - more.real.size
+    for k in range(more.real.size):
+        loop.put(row, words, before + k, more.real[k], more.word[k], more.wide[k])
     return 0, 0
 
 
 @njit(cache=True)
-def advance(plan, more, clock, steps, every, record):  # type: ignore[no-untyped-def]
+def snapshot(plan, more, record):  # type: ignore[no-untyped-def]
+    """Record the outputs as they are, and the further variables; return component and FMI status of a failed call."""
+    loop._record(plan, record[0][0], record[1][0])
+    return _fetch(plan, more, record[0][0], record[1][0])
+
+
+@njit(cache=True)
+def advance(plan, more, clock, first, steps, every, record):  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     """Do what `loop.advance` does, and fetch the further variables whenever a row is recorded.
 
     Parameters
     ----------
-    more : Transfers of the further variables, see `plan.transfers`
-    record : (rows, outputs + energy rows + further variables) array that takes what is recorded
+    more : Further
+    record : (rows, outputs + energy rows + further variables) array that takes what is recorded, and the same memory
+        as integers
 
     Returns
     -------
     As `loop.advance`.
     """
-    start, h, first = clock
-    if more.reference.size == 0:
-        return loop.advance(plan, clock, steps, every, record)
+    if more.real.size == 0:
+        return loop.advance(plan, clock, first, steps, every, record)
     done = rows = 0
     while done < steps:
         size = min(every - (first + done) % every, steps - done)
-        made, count, what, where, status = loop.advance(plan, (start, h, first + done), size, every, record[rows:])
+        part = (record[0][rows:], record[1][rows:])
+        made, count, what, where, status = loop.advance(plan, clock, first + done, size, every, part)
         done += made
-        if count and what == loop.OK:
-            where, status = _fetch(plan, more, record[rows])
-            if status > 1:
-                return done, rows, loop.GET, where, status
+        if count:
+            failed, bad = _fetch(plan, more, part[0][0], part[1][0])
+            if bad > 1:
+                return done, rows, loop.GET, failed, bad
         rows += count
         if what != loop.OK:
             return done, rows, what, where, status

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import inf
+from math import floor, inf
 
 from ..errors import InputError
 from .algorithms import find_algorithm
@@ -16,7 +16,7 @@ class Settings:
     Attributes
     ----------
     step : communication step [s]
-    duration : simulated time [s]; rounded to a whole number of steps
+    duration : simulated time [s]; shortened to whole steps, see `steps`
     algorithm : name of the master algorithm
     record_every : record after every this many steps
     record : patterns of local variables to record besides the outputs; None: the wheel's modal velocities
@@ -44,8 +44,19 @@ class Settings:
 
     @property
     def steps(self) -> int:
-        """Number of steps."""
-        return round(self.duration / self.step)
+        """Number of whole steps in the duration."""
+        wanted = self.duration / self.step
+        return round(wanted) if self.whole else floor(wanted)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the duration is a whole number of steps, but for rounding of its decimals."""
+        wanted = self.duration / self.step
+        return abs(wanted - round(wanted)) <= min(1e-3, 1e-9 * wanted + 1e-12)
+
+    def stop(self, start: float) -> float:
+        """Return the time at which a run that begins at `start` ends: exactly its stop time, or the last whole step."""
+        return start + (self.duration if self.whole else self.steps * self.step)
 
 
 @dataclass
@@ -60,6 +71,7 @@ class Progress:
     energy_residual : energy that the scheme adds, by direction [J]
     energy_into_structures : energy that went through the bonds, by direction [J]
     stopped : whether a stop was requested before the end
+    ended : sentence that says which component ended the run before its time; None if none did
     sweeps : how often a step was made on average until its values converged; 1 without iteration
     most_sweeps : the same for the step that took most
     """
@@ -70,5 +82,6 @@ class Progress:
     energy_residual: dict[str, float] = field(default_factory=dict)
     energy_into_structures: dict[str, float] = field(default_factory=dict)
     stopped: bool = False
+    ended: str | None = None
     sweeps: float = 1.0
     most_sweeps: int = 1

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from fmus.interface import DIRECTIONS
 
-from ..signals.spectra import a_weighting
+from ..signals.spectra import a_weighting, regular
 from ..signals.summary import sample_interval, spectrum
 from .style import COLOURS, LINES, STYLE, WORDS
 
@@ -53,6 +53,7 @@ def draw_run(data: xr.Dataset, path: Path) -> None:
 
 def _draw_signal(row: list[Axes], data: xr.Dataset, name: str, component: str) -> None:
     """Draw one velocity into the three axes of a row."""
+    data = regular(data)
     time = data["time"].to_numpy()
     signal = data[name].to_numpy().astype(float)
     look: Any = {"color": COLOURS[component], "label": component}
@@ -76,6 +77,7 @@ def _envelope(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def draw_directions(data: xr.Dataset, path: Path) -> None:
     """Draw velocity histories and narrow-band spectra of wheel and rail in all four directions, as Figs 8 to 11."""
+    data = regular(data)
     names = [d for d in DIRECTIONS if f"wheel.v_{d}" in data]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11, 2.3 * len(names) + 0.6), layout="constrained")

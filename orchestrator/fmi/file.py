@@ -6,21 +6,26 @@ FMI 3.0 is a variable for each element, `F[1]`, `F[2]` and so on (`A[1,2]` for a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
 from pathlib import Path
 from typing import Any
 
-from fmpy import read_model_description, supported_platforms
+from fmpy import supported_platforms
 from fmpy.model_description import ModelDescription, ScalarVariable
 
-from ..archive import sha256, unpack
-from ..errors import InputError
+from ..archive import sha256, unpack, zip_faults
+from ..errors import Fault, InputError
+from .description import read_description
 
 Value = float | int | bool | str
+
+WHOLE = ("Integer", "Enumeration", "Boolean")
+NUMERIC = ("Real", *WHOLE)
+"""Types that can be exchanged and recorded as numbers, and those of them that are whole numbers."""
 
 _INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
@@ -59,6 +64,22 @@ class Variable:
     max: Any
     nominal: float | None
 
+    @property
+    def place(self) -> tuple[str, int, int]:
+        """What an FMU knows the variable by: the functions that get it, value reference, and element."""
+        return _getter(self.fmi_type), self.valueReference, self.element
+
+    @property
+    def start_value(self) -> Value:
+        """Start value in its type; nothing of its kind if the description has none."""
+        if self.type == "String":
+            return "" if self.start is None else str(self.start)
+        if self.type == "Boolean":
+            return str(self.start).strip().lower() in ("true", "1")
+        if self.type in WHOLE:
+            return int(self.start or 0)
+        return float(self.start or 0.0)
+
 
 @dataclass(frozen=True)
 class Fmu:
@@ -70,12 +91,16 @@ class Fmu:
     folder : where it is unpacked
     description : FMPy's model description
     checksum : SHA-256 of the file
+    faults : what the description has wrong that does not change a number, one sentence each
+    structure : sizes that are set, by structural parameter; the others as the description has them
     """
 
     path: Path
     folder: Path
     description: ModelDescription
     checksum: str
+    faults: tuple[Fault, ...] = ()
+    structure: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def version(self) -> int:
@@ -85,7 +110,11 @@ class Fmu:
     @cached_property
     def variables(self) -> dict[str, Variable]:
         """The variables by name, arrays element by element."""
-        return {v.name: v for declared in self.description.modelVariables for v in _elements(declared)}
+        return {v.name: v for d in self.description.modelVariables for v in _elements(d, self.structure)}
+
+    def resized(self, sizes: Mapping[str, int]) -> Fmu:
+        """Return this FMU with other sizes of its arrays, by structural parameter."""
+        return replace(self, structure={**self.structure, **sizes})
 
     @cached_property
     def arrays(self) -> dict[str, list[str]]:
@@ -104,16 +133,29 @@ class Fmu:
         """Return the unit of a variable, also when its type declares it."""
         return self.variables[name].unit
 
+    def dependencies(self) -> dict[str, frozenset[str] | None]:
+        """Return on which inputs each output depends within a step; None: the FMU does not tell, so on all.
+
+        Whole arrays by name; an alias of an input or output counts as what it is an alias of.
+        """
+        inputs: dict[tuple[str, int], set[str]] = {}
+        for variable in self.description.modelVariables:
+            if variable.causality == "input":
+                inputs.setdefault(_place(variable), set()).add(variable.name)
+        told: dict[str, frozenset[str] | None] = {}
+        for unknown in self.description.outputs:
+            known = unknown.dependencies
+            names = None if known is None else {name for v in known for name in inputs.get(_place(v), ())}
+            told[unknown.variable.name] = None if names is None else frozenset(names)
+        outputs = [v for v in self.description.modelVariables if v.causality == "output"]
+        return {v.name: told.get(v.name if v.alias is None else v.alias.name) for v in outputs}
+
     def has_feedthrough(self) -> bool | None:
         """Return whether an output depends on an input within a step; None if the FMU does not tell."""
-        known = False
-        for unknown in self.description.outputs:
-            if unknown.dependencies is None:
-                continue
-            known = True
-            if any(v.causality == "input" for v in unknown.dependencies):
-                return True
-        return False if known or not self.description.outputs else None
+        found = self.dependencies().values()
+        if any(found):
+            return True
+        return None if any(names is None for names in found) and self.names("input") else False
 
     @property
     def can_roll_back(self) -> bool:
@@ -126,28 +168,50 @@ class Fmu:
         return self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
 
     @property
-    def own_step(self) -> float | None:
-        """Step that the FMU insists on [s]; None if it takes any.
+    def takes_any_step(self) -> bool:
+        """Whether its communication step may change during a run."""
+        return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
-        FMI 3.0 tells it as fixedInternalStepSize; an FMI 2.0 FMU that cannot handle variable steps tells it as the step
-        size of its default experiment.
-        """
-        interface, experiment = self.description.coSimulation, self.description.defaultExperiment
-        if interface.fixedInternalStepSize is not None:
-            return float(interface.fixedInternalStepSize)
-        if self.version == 2 and not interface.canHandleVariableCommunicationStepSize and experiment is not None:
-            return float(experiment.stepSize) if experiment.stepSize else None
-        return None
+    @property
+    def inner_step(self) -> float | None:
+        """Step that it makes inside, of which a communication step is best a multiple [s]; None if it does not tell."""
+        inner = self.description.coSimulation.fixedInternalStepSize
+        return None if inner is None else float(inner)
+
+    @property
+    def once_per_process(self) -> bool:
+        """Whether a process can hold one instance of it only."""
+        return bool(self.description.coSimulation.canBeInstantiatedOnlyOncePerProcess)
 
 
-def _elements(declared: ScalarVariable) -> Iterator[Variable]:
+def _place(variable: ScalarVariable) -> tuple[str, int]:
+    """Return what an FMU knows a variable by: the functions that get it, and its value reference."""
+    return _getter(variable.type), variable.valueReference
+
+
+def _getter(fmi_type: str) -> str:
+    """Return the type whose functions get and set variables of a type in FMI 2.0; FMI 3.0 has references apart."""
+    return "Integer" if fmi_type == "Enumeration" else fmi_type
+
+
+def _shape(declared: ScalarVariable, structure: Mapping[str, int]) -> tuple[int, ...]:
+    """Return the sizes of an array; () for a scalar."""
+    sizes = (
+        d.start if d.start is not None else structure.get(d.variable.name, d.variable.start)
+        for d in declared.dimensions
+    )
+    return tuple(int(size) for size in sizes)
+
+
+def _elements(declared: ScalarVariable, structure: Mapping[str, int]) -> Iterator[Variable]:
     """Yield the scalar variables that a variable of a model description stands for."""
-    shape = tuple(declared.shape or ())
+    shape = _shape(declared, structure)
     size = prod(shape)
     starts: list[str | None] = [None] * size
     if declared.start is not None:
-        texts = str(declared.start).split() if shape else [declared.start]
-        starts = list(texts) if len(texts) == size else [texts[0]] * size
+        texts = str(declared.start).split() if shape and declared.type != "String" else [declared.start]
+        if len(texts) in (1, size):
+            starts = list(texts) * (size // len(texts))
     kind = declared.declaredType
     unit = declared.unit or getattr(kind, "unit", None)
     nominal = declared.nominal or getattr(kind, "nominal", None)
@@ -182,10 +246,7 @@ def open_fmu(path: Path) -> Fmu:
     folder = unpack(path, "FMU")
     if not (folder / "modelDescription.xml").is_file():
         raise InputError(f"{path}: holds no modelDescription.xml, so it is not an FMU")
-    try:
-        description = read_model_description(str(folder), validate=True)
-    except Exception as error:  # FMPy raises bare exceptions
-        raise InputError(f"{path}: modelDescription.xml is not valid: {first_line(error)}") from None
+    description, faults = read_description(folder, path)
     if description.fmiVersion.partition(".")[0] not in ("2", "3"):
         raise InputError(f"{path}: is FMI {description.fmiVersion}; FMI 2.0 or 3.0 is wanted")
     if description.coSimulation is None:
@@ -193,10 +254,4 @@ def open_fmu(path: Path) -> Fmu:
         raise InputError(f"{path}: offers {other} only; co-simulation is wanted")
     if not supported_platforms(str(folder)):
         raise InputError(f"{path}: holds no binaries")
-    return Fmu(path, folder, description, sha256(path))
-
-
-def first_line(error: Exception) -> str:
-    """Return the first line of what an exception says, the second too if the first announces it, or its name."""
-    lines = str(error).strip().splitlines() or [type(error).__name__]
-    return f"{lines[0]} {lines[1].lstrip('- ')}" if lines[0].endswith(":") and len(lines) > 1 else lines[0]
+    return Fmu(path, folder, description, sha256(path), (*zip_faults(path), *faults))

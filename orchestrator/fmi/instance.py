@@ -11,7 +11,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..errors import SimulationError
 from .binding import BINDINGS, Fmi2, Fmi3
-from .file import Fmu, Value, Variable, first_line, open_fmu
+from .description import first_line
+from .file import Fmu, Value, Variable, open_fmu
 
 if TYPE_CHECKING:
     from .isolation import IsolatedBinding
@@ -22,34 +23,48 @@ STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
 """Names of the FMI status codes."""
 
 
+_seen: set[str] = set()
+"""Checksums of the FMUs that this process has had an instance of and may have no second one of."""
+
+
 class FmuInstance:
     """A running co-simulation slave.
 
-    Messages of the FMU are kept and become part of the error when a call fails.
+    Messages of the FMU are kept and become part of the error when a call fails. An FMU that a process can have one
+    instance of gets a process of its own for every further one.
 
     Parameters
     ----------
     timeout : time that a call may take, in a process of the FMU's own [s]; None: in this process, without limit
+    scratch : whether the instance is there to be asked something and thrown away
 
     Attributes
     ----------
     lost : whether a call returned fatal, after which the instance must not be called again
+    apart : whether it runs in a process of its own
     """
 
-    def __init__(self, fmu: Fmu, name: str, timeout: float | None = None) -> None:
+    def __init__(self, fmu: Fmu, name: str, timeout: float | None = None, scratch: bool = False) -> None:
         self.fmu = fmu
         self.name = name
         self.messages: list[str] = []
         self.lost = False
+        alone = fmu.once_per_process and (scratch or fmu.checksum in _seen)
+        self.apart = timeout is not None or alone
+        if fmu.once_per_process and not self.apart:
+            _seen.add(fmu.checksum)
         try:
             self._binding = self._bind(timeout)
         except Exception as error:  # FMPy raises bare exceptions for a missing or broken library
             raise SimulationError(f"{name}: {fmu.path}: cannot be loaded here: {first_line(error)}") from None
         with self._calling("instantiate"):
             self._binding.instantiate()
+        if fmu.structure:
+            with self._calling("setting structural parameters"):
+                self._binding.configure({fmu.variables[n].valueReference: k for n, k in fmu.structure.items()})
 
     def _bind(self, timeout: float | None) -> Fmi2 | Fmi3 | IsolatedBinding:
-        if timeout is None:
+        if not self.apart:
             return BINDINGS[self.fmu.version](self.fmu, self.name, self._say)
         from .isolation import IsolatedBinding  # noqa: PLC0415 - seldom wanted
 
@@ -98,9 +113,13 @@ class FmuInstance:
             self._set_scalars(fmi_type, group)
         for array, given in arrays.items():
             elements = [self.fmu.variables[name] for name in self.fmu.arrays[array]]
-            whole = [given.get(v.element, v.start if v.start is not None else 0.0) for v in elements]
+            kind, reference = elements[0].fmi_type, elements[0].valueReference
             with self._calling(f"setting {array}"):
-                self._binding.set(elements[0].fmi_type, [elements[0].valueReference], whole)
+                if len(given) < len(elements) and any(v.start is None for v in elements):
+                    held = self._binding.get(kind, [reference], len(elements))
+                else:
+                    held = [v.start_value for v in elements]
+                self._binding.set(kind, [reference], [given.get(v.element, held[v.element]) for v in elements])
 
     def _set_scalars(self, fmi_type: str, values: Mapping[str, Value]) -> None:
         """Set scalars of one type in one call; if it fails, one by one, so that the error names the one."""
@@ -117,14 +136,22 @@ class FmuInstance:
 
     def get_real(self, names: Sequence[str]) -> list[float]:
         """Return variables by name as floating-point numbers, whatever numeric type they have."""
+        return [float(value) for value in self._get(names)]
+
+    def get_texts(self, names: Sequence[str]) -> list[str]:
+        """Return variables of type String by name."""
+        return [str(value) for value in self._get(names)]
+
+    def _get(self, names: Sequence[str]) -> list[Any]:
+        """Return variables by name; those that share a value reference are got once."""
         variables = [self.fmu.variables[name] for name in names]
-        found: dict[int, list[Any]] = {}
+        found: dict[tuple[str, int], list[Any]] = {}
         for kind in dict.fromkeys(v.fmi_type for v in variables):
             sizes = {v.valueReference: v.size for v in variables if v.fmi_type == kind}
-            with self._calling("getReal"):
+            with self._calling(f"get{self._binding.suffix[kind]}"):
                 values = iter(self._binding.get(kind, list(sizes), sum(sizes.values())))
-            found.update({reference: [next(values) for _ in range(size)] for reference, size in sizes.items()})
-        return [float(found[v.valueReference][v.element]) for v in variables]
+            found.update({(kind, ref): [next(values) for _ in range(size)] for ref, size in sizes.items()})
+        return [found[v.fmi_type, v.valueReference][v.element] for v in variables]
 
     def enter_initialization_mode(self, start: float, stop: float) -> None:
         """Set up the experiment and enter initialisation mode."""
@@ -171,6 +198,13 @@ class FmuInstance:
             state = self._binding.deserialise(data)
         self.set_state(state)
         self.free_state(state)
+
+    def ended(self) -> bool:
+        """Return whether the step that was just discarded is the end that the FMU wants."""
+        try:
+            return self._binding.ended()
+        except (FMICallException, SimulationError):  # it need not know
+            return False
 
     def address(self, what: str) -> int:
         """Return the address of an FMI function of this FMU's library, such as 'DoStep'."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import multiprocessing
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -17,14 +17,13 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from ..errors import SimulationError
-from .binding import BINDINGS, Say
+from .binding import BINDINGS, Say, status_of, step_callback
 from .file import Fmu, Value
 from .isolation_worker import FAILED, serve
 
 START_SECONDS = 60.0
 """Time that a process gets to start and to instantiate its FMU [s]."""
 
-_FATAL = 4
 _POINTER = ctypes.c_void_p
 
 
@@ -33,10 +32,10 @@ class IsolatedBinding:
 
     Parameters
     ----------
-    timeout : time that a call may take [s]
+    timeout : time that a call may take [s]; None: any time
     """
 
-    def __init__(self, fmu: Fmu, name: str, say: Say, timeout: float) -> None:
+    def __init__(self, fmu: Fmu, name: str, say: Say, timeout: float | None) -> None:
         kind = BINDINGS[fmu.version]
         self.version, self.suffix, self.layout = fmu.version, kind.suffix, kind.layout
         self.state_suffix = kind.state_suffix
@@ -66,14 +65,14 @@ class IsolatedBinding:
         """
         if not self._started:
             self._started = True
-            self._answer("instantiate", max(START_SECONDS, self._timeout))
+            self._answer("instantiate", self._timeout and max(START_SECONDS, self._timeout))
         try:
             self._connection.send((call, arguments))
         except OSError:
             raise self._lost(self._obituary()) from None
         return self._answer(call, self._timeout)
 
-    def _answer(self, call: str, timeout: float) -> Any:
+    def _answer(self, call: str, timeout: float | None) -> Any:
         """Return the answer to a call."""
         try:
             if not self._connection.poll(timeout):
@@ -147,6 +146,14 @@ class IsolatedBinding:
         """Return the state of bytes, to be freed."""
         return _POINTER(self._ask("deserialise", data))
 
+    def configure(self, sizes: Mapping[int, int]) -> None:
+        """Set structural parameters, by value reference."""
+        self._ask("configure", dict(sizes))
+
+    def ended(self) -> bool:
+        """Return whether the step that was just discarded is the end that the FMU wants."""
+        return not self._dead and bool(self._ask("ended"))
+
     def terminate(self) -> None:
         """End the simulation."""
         if not self._dead:
@@ -167,38 +174,13 @@ class IsolatedBinding:
     def address(self, what: str) -> int:
         """Return the address of a callback for a function, such as 'DoStep' or 'GetReal'."""
         if what == "DoStep":
-            callback = self._step_callback()
+            callback = step_callback(self.do_step, self.version)
         elif what.endswith(self.state_suffix):
             callback = self._state_callback("get_state" if what.startswith("Get") else "set_state")
         else:
             callback = self._value_callback(what[:3].lower(), what[3:])
         self._callbacks.append(callback)
         return ctypes.cast(callback, _POINTER).value or 0
-
-    def _status(self, call: Callable[[], None]) -> int:
-        """Return the FMI status of a call; an exception must not reach compiled code."""
-        try:
-            call()
-        except FMICallException as error:
-            return int(error.status)
-        except SimulationError:
-            return _FATAL
-        return 0
-
-    def _step_callback(self) -> Any:
-        def step(_handle: int, time: float, size: float, _final: int, *answer: int) -> int:
-            def call() -> None:
-                told = self.do_step(time, size)
-                if answer and told is not None:
-                    for place, flag in zip(answer[:3], told[:3], strict=True):
-                        ctypes.c_bool.from_address(place).value = flag
-                    ctypes.c_double.from_address(answer[3]).value = told[3]
-
-            return self._status(call)
-
-        extra = [_POINTER] * 4 if self.version == 3 else []
-        kinds = (_POINTER, ctypes.c_double, ctypes.c_double, ctypes.c_int, *extra)
-        return ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(step)
 
     def _value_callback(self, call: str, suffix: str) -> Any:
         fmi_type = next(name for name, end in self.suffix.items() if end == suffix)
@@ -214,7 +196,7 @@ class IsolatedBinding:
                 else:
                     memory[:] = self.get(fmi_type, chosen, len(memory))
 
-            return self._status(work)
+            return status_of(work)
 
         kinds = (_POINTER, _POINTER, ctypes.c_size_t, _POINTER, *([ctypes.c_size_t] if self.version == 3 else []))
         return ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(exchange)
@@ -228,6 +210,6 @@ class IsolatedBinding:
                 else:
                     self._ask("set_state", argument)
 
-            return self._status(work)
+            return status_of(work)
 
         return ctypes.CFUNCTYPE(ctypes.c_int, _POINTER, _POINTER)(exchange)

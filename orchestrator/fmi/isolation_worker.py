@@ -12,7 +12,8 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 
 from .binding import BINDINGS, Fmi2, Fmi3
-from .file import first_line, open_fmu
+from .description import first_line
+from .file import open_fmu
 
 FAILED = -1
 """In the place of a status: the call ended with an exception that is not FMI's."""
@@ -20,6 +21,7 @@ FAILED = -1
 
 def serve(connection: Connection, path: Path, name: str) -> None:
     """Instantiate an FMU and answer calls, each with status, result and messages, until the other side is gone."""
+    os.dup2(2, 1)  # what the FMU prints is not for the standard output, which may be a program's input
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the master's business
     messages: list[str] = []
     slave: list[_Slave] = []
@@ -34,6 +36,8 @@ def serve(connection: Connection, path: Path, name: str) -> None:
         except (EOFError, OSError):
             break
         _reply(connection, messages, getattr(slave[0], call, None) or getattr(slave[0].binding, call), *arguments)
+    for each in slave:
+        each.binding.folder.close()
     os._exit(0)
 
 

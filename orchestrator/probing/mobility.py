@@ -48,7 +48,7 @@ def published_mobility(fmu: Fmu, parameters: Mapping[str, Value], timeout: float
     names = [f"y_{row}_{column}" for row, column in PAIRS]
     if not all(name in fmu.variables for name in names):
         return None
-    instance = FmuInstance(fmu, "scratch", timeout)
+    instance = FmuInstance(fmu, "scratch", timeout, scratch=True)
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, 1.0)
@@ -100,7 +100,7 @@ def _started(
     fmu: Fmu, parameters: Mapping[str, Value], step: float, timeout: float | None, stack: ExitStack
 ) -> FmuInstance:
     """Return a scratch instance that is ready to step; the stack closes it."""
-    instance = FmuInstance(fmu, "scratch", timeout)
+    instance = FmuInstance(fmu, "scratch", timeout, scratch=True)
     stack.callback(instance.close)
     instance.set(parameters)
     instance.enter_initialization_mode(0.0, step)

@@ -147,7 +147,7 @@ def _column(
     gains = np.array([pair.velocity_gain for pair in pairs.values()])
     forced = pairs[direction]
     velocity = np.zeros((len(lengths), 4))
-    instance = FmuInstance(fmu, f"probe_{direction}")
+    instance = FmuInstance(fmu, f"probe_{direction}", scratch=True)
     try:
         instance.set(parameters)
         instance.enter_initialization_mode(0.0, (RECORD_STEPS + every * TAIL_SAMPLES) * step)

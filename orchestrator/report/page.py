@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..published.cases import PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
+from ..signals.spectra import regular
 from ..signals.summary import sample_interval
 from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
@@ -146,6 +147,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     """Return what there is to say of one run."""
     if "wheel.v_lat" not in data or "step_s" not in data.attrs:
         raise InputError(f"{path}: holds no wheel.v_lat, so it is not a run of the wheel/rail system")
+    data = regular(data)
     if data.sizes["time"] < _LEAST_ROWS:
         raise InputError(f"{path}: has {data.sizes['time']} rows; a report needs at least {_LEAST_ROWS}")
     (model, unknown), cycle = _model(data), limit_cycle(data)

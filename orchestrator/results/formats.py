@@ -6,9 +6,10 @@ import csv
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
 
@@ -17,14 +18,22 @@ if TYPE_CHECKING:  # xarray takes a second to import
 
 
 def write_csv(data: xr.Dataset, path: Path, rows_at_once: int = 50_000) -> None:
-    """Write results as CSV: a header with name and unit, then one line per row."""
+    """Write results as CSV: a header with name and unit, then a line per row; the shortest exact decimals."""
     names = ["time", *data.data_vars]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([f"{name} [{data[name].attrs.get('units', '')}]" for name in names])
         for part in _parts(data, rows_at_once):
-            columns = np.column_stack([part[name].to_numpy() for name in names])
-            writer.writerows([f"{value:.9g}" for value in row] for row in columns)
+            writer.writerows(zip(*(_texts(part[name].to_numpy()) for name in names), strict=True))
+
+
+def _texts(values: NDArray[Any]) -> list[Any]:
+    """Return values as a CSV file has them."""
+    if values.dtype.kind == "b":
+        return list(np.where(values, "true", "false"))
+    if values.dtype == np.float32:
+        return list(values.astype(str))  # shortest for a single
+    return list(values.tolist())
 
 
 def _parts(data: xr.Dataset, rows: int) -> Iterator[xr.Dataset]:

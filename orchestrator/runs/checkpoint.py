@@ -23,10 +23,10 @@ from ..errors import InputError
 from ..results.file import ResultsFile
 from .scenario import Scenario
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file format."""
 
-_NUMBERS = ("u", "y", "energy", "u_scale", "sweeps")
+_NUMBERS = ("u", "u_word", "y", "y_word", "energy", "u_scale", "sweeps")
 """Arrays of the plan that a run carries along."""
 
 
@@ -74,6 +74,7 @@ class Checkpoint:
             instance.restore(self.states[name])
         for name, values in self.numbers.items():
             getattr(master.plan, name)[...] = values
+        master.refresh()
         master.progress.steps, master.progress.wall = self.steps, self.wall
 
 

@@ -65,7 +65,10 @@ def export_system(assembly: Assembly, settings: Settings, target: Path) -> None:
 
 def _values(assembly: Assembly, step: float) -> dict[str, dict[str, Value]]:
     """Return what a run sets before it initialises the components, by component and variable."""
-    values = {name: with_step(fmu, assembly.parameters[name], step) for name, fmu in assembly.fmus.items()}
+    values = {
+        name: {**fmu.structure, **with_step(fmu, assembly.parameters[name], step)}
+        for name, fmu in assembly.fmus.items()
+    }
     if assembly.contact is not None:
         values[assembly.contact].update(contact_mobility(assembly, step))
     return values
@@ -115,8 +118,9 @@ def _description(
         if name in sets:
             bindings = SubElement(component, tag("ssd", "ParameterBindings"))
             SubElement(bindings, tag("ssd", "ParameterBinding"), source=sets[name])
-        if name in system.stages:
-            add_stage(component, system.stages[name])
+        element = system.elements[name]
+        if element.stage is not None or element.step is not None:
+            add_stage(component, element.stage, element.step)
     links = (*assembly.links, *assembly.outputs)
     if links:
         wires = SubElement(top, tag("ssd", "Connections"))
@@ -161,7 +165,7 @@ def _add_connection(wires: Element, link: Link) -> None:
     plain = (link.gain, link.offset) == (1.0, 0.0) and all(hop.convert for hop in wire.hops)
     how = {} if plain else {"suppressUnitConversion": "true"}
     connection = SubElement(wires, tag("ssd", "Connection"), {key: v for key, v in ends.items() if v} | how)
-    if (link.gain, link.offset) != (1.0, 0.0):
+    if (link.gain, link.offset) != (1.0, 0.0) or any(hop.declared for hop in wire.hops):
         SubElement(
             connection, tag("ssc", "LinearTransformation"), factor=repr(link.gain), offset=repr(link.offset)
         )  # fmt: skip

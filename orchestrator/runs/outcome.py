@@ -69,6 +69,7 @@ def as_json(outcome: Outcome) -> str:
         "max_growth_rate_error": outcome.spurious.largest,
         "spurious_growth": outcome.spurious.sentence,
         "completed": outcome.error is None and not p.stopped,
+        "ended": p.ended,
         "error": outcome.error,
         "results": str(outcome.results),
         "picture": None if outcome.picture is None else str(outcome.picture),

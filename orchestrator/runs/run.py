@@ -68,12 +68,10 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     assembly, settings = scenario.prepare()
     if keeping is not None:
         check_serialisable(assembly)
-    if settings.algorithm == "jacobi":
-        report.notice("jacobi delays the contact force by a step and can invent squeal; staggered does not")
     with Master(assembly, settings) as master:
         for notice in (*assembly.notices, *master.notices):
             report.notice(notice)
-        path = _free_path(folder, assembly.system.name)
+        path = _claim(folder, assembly.system.name)
         try:
             results = ResultsFile(path, master.signals(), _attributes(scenario, assembly, settings, master))
         except OSError as failure:
@@ -93,7 +91,7 @@ def resume(checkpoint: Path, report: Report, every: float = Keeping.every) -> Ou
     assembly, settings = kept.scenario.prepare()
     with Master(assembly, settings) as master:
         kept.restore(master)
-        results = ResultsFile.reopen(kept.results, len(master.signals()), kept.header, kept.rows)
+        results = ResultsFile.reopen(kept.results, master.signals(), kept.header, kept.rows)
         return _go(kept.scenario, master, results, report, Keeping(checkpoint, every))
 
 
@@ -129,8 +127,6 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
 def _finish(path: Path, error: str | None, report: Report) -> tuple[Summary, Path | None]:
     """Summarise and draw what was recorded."""
     with open_results(path) as data:
-        if data.sizes["time"] < 3:
-            raise SimulationError(error or f"{path}: only {data.sizes['time']} rows were recorded")
         summary = summarise(data)
         picture = None
         try:
@@ -149,11 +145,23 @@ def _finish(path: Path, error: str | None, report: Report) -> tuple[Summary, Pat
         return summary, picture
 
 
-def _free_path(folder: Path, name: str) -> Path:
-    """Return a path in `folder` that no earlier run has taken."""
-    path = folder / f"{name}.nc"
-    number = 2
-    while path.exists():
-        path = folder / f"{name}-{number}.nc"
-        number += 1
-    return path
+def _claim(folder: Path, name: str) -> Path:
+    """Return the path of an empty new file in `folder`; no other run, earlier or at the same time, gets the same.
+
+    Raises
+    ------
+    SimulationError
+        If nothing can be written there.
+    """
+    number = 1
+    while True:
+        path = folder / (f"{name}.nc" if number == 1 else f"{name}-{number}.nc")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch(exist_ok=False)
+        except FileExistsError:
+            number += 1
+        except OSError as failure:
+            raise SimulationError(f"{path}: cannot write results: {failure.strerror or failure}") from None
+        else:
+            return path

@@ -13,9 +13,10 @@ from fmus.modal.parameters import names_of
 
 from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.master import Settings
-from ..errors import InputError
+from ..errors import Fault, InputError
 from ..fmi.instance import Fmu, Value
 from ..system.cases import find_system
+from ..system.settable import spread
 
 RANDOM_START = 1e-3
 """Standard deviation of the random initial modal velocities [kg^1/2 m/s]."""
@@ -35,6 +36,7 @@ class Scenario:
     record_every : record after every this many steps
     record : patterns of variables to record besides the outputs; None: the wheel's modal velocities
     timeout : each FMU in a process of its own, and the time that a call may take [s]; None: all in this process
+    strict : whether faults of files that change no number are errors
     """
 
     system: str
@@ -47,6 +49,7 @@ class Scenario:
     record_every: int = 4
     record: tuple[str, ...] | None = None
     timeout: float | None = None
+    strict: bool = False
 
     def prepare(self) -> tuple[Assembly, Settings]:
         """Return the assembled system and the settings of the run."""
@@ -65,8 +68,12 @@ class Scenario:
         fmus = open_fmus(system)
         if self.seed is not None:
             system = system.with_parameters(random_start(fmus, self.seed))
-        system = system.with_parameters({name: dict(values) for name, values in self.values.items()})
-        return assemble(system, fmus), settings
+        system = system.with_parameters(spread(self.values, fmus))
+        assembly = assemble(system, fmus)
+        faults = [notice for notice in assembly.notices if isinstance(notice, Fault)]
+        if faults and self.strict:
+            raise InputError(f"{faults[0]}; refused, as everything is read strictly")
+        return assembly, settings
 
 
 def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Value]]:

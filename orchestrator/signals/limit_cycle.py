@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from ..stability.poles import Poles
+from .spectra import regular
 from .summary import dominant_frequency, sample_interval, spectrum
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -118,6 +119,7 @@ def limit_cycle(data: xr.Dataset) -> LimitCycle:
     ----------
     data : results with at least wheel.v_lat
     """
+    data = regular(data)
     half = data.isel(time=slice(data.sizes["time"] // 2, None))
     interval = sample_interval(data)
     lateral = _values(half, "wheel.v_lat")

@@ -7,7 +7,7 @@ Third-octave bands are those of IEC 61260-1 (base 10), the A-weighting is that o
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +38,17 @@ _POLES_HZ = (20.598997, 107.65265, 737.86223, 12194.217)
 
 _LINES_PER_BAND = 3
 """A band narrower than this many lines says nothing of its own."""
+
+
+Samples = TypeVar("Samples", "xr.Dataset", "xr.DataArray")
+
+
+def regular(data: Samples) -> Samples:
+    """Return the rows that are equally far apart: all but a last one that is there only as the end of the run."""
+    time = data["time"].to_numpy() if "time" in data.coords else np.zeros(0)
+    if time.size > 2 and time[-1] - time[-2] < (1 - 1e-3) * (time[1] - time[0]):
+        return data.isel(time=slice(None, -1))
+    return data
 
 
 def sample_interval_of(signal: xr.DataArray) -> float:
@@ -92,6 +103,7 @@ def narrow_band(signal: xr.DataArray, resolution_hz: float = 1.0) -> xr.DataArra
     """
     import xarray as xr  # noqa: PLC0415
 
+    signal = regular(signal)
     interval = sample_interval_of(signal)
     count = _samples(signal, interval, resolution_hz)
     frequency, density = welch(np.asarray(signal, dtype=float), 1 / interval, window="hann", nperseg=count)

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fmus.interface import DIRECTIONS
 
+from .spectra import regular
+
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
@@ -104,6 +106,7 @@ def growth_rate(signal: ArrayLike, interval: float) -> float | None:
 
 def summarise(data: xr.Dataset) -> Summary:
     """Return the numbers of a run of the wheel/rail system."""
+    whole, data = data, regular(data)
     half = data.isel(time=slice(data.sizes["time"] // 2, None))
     interval = sample_interval(data)
     lateral = "wheel.v_lat"
@@ -115,7 +118,8 @@ def summarise(data: xr.Dataset) -> Summary:
     if "contact.normal_force" in half:
         lost = float((half["contact.normal_force"] <= 0).mean())
     if "contact.power_dissipated" in data:
-        dissipated = float(data["contact.power_dissipated"].astype(float).sum()) * interval
+        power, time = (whole[name].to_numpy().astype(float) for name in ("contact.power_dissipated", "time"))
+        dissipated = float(power[1:] @ np.diff(time))
     return Summary(frequency, growth, velocity_rms(half, "wheel"), velocity_rms(half, "rail"), lost, dissipated)
 
 

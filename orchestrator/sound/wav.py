@@ -21,7 +21,7 @@ from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
-from ..signals.spectra import sample_interval_of, total
+from ..signals.spectra import regular, sample_interval_of, total
 from .levels import REFERENCE_PRESSURE
 from .radiation import Radiation, modal_spectra, power_per_velocity, sound_power
 from .wheelset import wheelset_of
@@ -74,6 +74,7 @@ def pressure_of(data: xr.Dataset, wheel: str | None = None, radiation: Radiation
         too low a rate for the wheel's modes, or do not vibrate.
     """
     wheelset, how = wheelset_of(data, wheel), radiation or Radiation()
+    data = regular(data)
     names = modal_velocities("wheel", data.data_vars)
     interval = sample_interval_of(data[names[0]])
     _require(data, wheelset, interval)

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.modal.data import read_modal_data
 from fmus.modal.parameters import block_of, modal_velocities
+from fmus.wheel.areas import estimated_wheelset
 from fmus.wheel.class158 import class158
 from fmus.wheel.inferred import inferred
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
@@ -52,16 +54,10 @@ def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
         if len(chosen.modes) != count:
             raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
         return _as_run(chosen, data)
-    frequency, shape = block(data, "wheel", "frequency"), block(data, "wheel", "shape_lat")
-    fitting = [
-        candidate
-        for candidate in map(_named, shipped())
-        if len(candidate.modes) == count == frequency.size
-        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency, rtol=SAME_FREQUENCY)
-    ]
-    if fitting:
-        nearest = min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape).sum()) if shape.size else 0.0)
-        return _as_run(nearest, data)
+    frequency = block(data, "wheel", "frequency")
+    found = fitting_wheelset(frequency, block(data, "wheel", "shape_lat")) if frequency.size == count else None
+    if found is not None:
+        return _as_run(found, data)
     raise InputError(
         f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
         "name a wheel, or give its file"
@@ -72,6 +68,23 @@ def _as_run(wheelset: Wheelset, data: xr.Dataset) -> Wheelset:
     """Return a wheelset with the damping ratios that the run had, where the results tell them."""
     zeta = block(data, "wheel", "damping_ratio")
     return replace(wheelset, modes=replace(wheelset.modes, zeta=zeta)) if zeta.size == len(wheelset.modes) else wheelset
+
+
+def fitting_wheelset(frequency_hz: Real, shape_lat: Real) -> Wheelset | None:
+    """Return the shipped wheelset that has these natural frequencies [Hz] and most nearly these lateral shapes.
+
+    None if none has. Without shapes (empty) the first one is taken.
+    """
+    fitting = [
+        candidate
+        for candidate in map(_named, shipped())
+        if len(candidate.modes) == frequency_hz.size
+        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency_hz, rtol=SAME_FREQUENCY)
+    ]
+    if not fitting:
+        return None
+    size = shape_lat.size
+    return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape_lat).sum()) if size else 0.0)
 
 
 def shipped() -> list[str]:
@@ -86,6 +99,10 @@ def _named(wheel: str) -> Wheelset:
         return own[wheel]()
     path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
     try:
+        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
+            data = read_modal_data(path)
+            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
+            return estimated_wheelset(data.modes, title)
         return read_wheelset(path)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,6 @@ from fmus.modal.parameters import modes_of
 
 from ..coupling.assembly import Assembly
 from ..coupling.contact_mobility import bonds_of, power_pairs
-from ..coupling.rates import period
 from ..errors import InputError
 from .eigenloci import Crossing, Eigenloci, crossings, eigenloci, frequency_grid
 from .identified import identify
@@ -44,6 +43,7 @@ class LinearModel:
     contact : linearised at its steady state
     displacements : whether the contact takes displacements; else it integrates velocities
     identified : names of the components that show no modes
+    law : all parameters of the running contact
     """
 
     wheel: Structure
@@ -51,6 +51,7 @@ class LinearModel:
     contact: LinearContact
     displacements: bool = True
     identified: tuple[str, ...] = ()
+    law: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def poles(self) -> Poles:
@@ -104,7 +105,7 @@ def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
     shown = {s: _shown(names[s], values[s]) if s in plain else None for s in STRUCTURES}
     hidden = tuple(names[s] for s, modes in shown.items() if modes is None)
     wheel, rail = (modes if modes is not None else _identified(assembly, names[s], step) for s, modes in shown.items())
-    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden)
+    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden, law)
 
 
 def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:
@@ -119,7 +120,7 @@ def _identified(assembly: Assembly, name: str, step: float) -> Identified:
     """Return what the response of a structure's FMU tells of it."""
     fmu = assembly.fmus[name]
     pairs = power_pairs(bonds_of(assembly, name))
-    return identify(fmu, assembly.parameters[name], step * period(fmu, step), pairs)
+    return identify(fmu, assembly.parameters[name], step * assembly.periods(step)[name], pairs)
 
 
 def model_of(data: xr.Dataset) -> LinearModel:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from ..errors import Fault
 from .xml import SSC, SSD, Document, local
 
 _OURS = "{urn:curvesqueal:ssp}"
@@ -36,7 +37,7 @@ class ExperimentSettings:
     algorithm: str | None = None
 
 
-def read_settings(document: Document) -> ExperimentSettings:
+def read_settings(document: Document, notices: list[str]) -> ExperimentSettings:
     """Return the settings of the whole system.
 
     Raises
@@ -50,7 +51,7 @@ def read_settings(document: Document) -> ExperimentSettings:
         start = document.number(experiment, "startTime", 0.0)
         stop = document.number(experiment, "stopTime", 0.0) if experiment.get("stopTime") is not None else None
     holders = [node for node in (experiment, document.root, document.root.find(f"{SSD}System")) if node is not None]
-    ours = _own(document, holders, "Master", ("stepSize", "algorithm"))
+    ours = _own(document, holders, "Master", ("stepSize", "algorithm"), notices)
     for stray in document.root.iter(f"{_OURS}Master"):
         if stray is not ours:
             raise document.error(stray, "only one is read, in DefaultExperiment, at the root or in its System")
@@ -66,30 +67,34 @@ def read_settings(document: Document) -> ExperimentSettings:
     )  # fmt: skip
 
 
-def read_stage(document: Document, component: etree._Element) -> int | None:
-    """Return the place in the order of stepping that an annotation gives a component, None if none does."""
-    ours = _own(document, [component], "Component", ("stage",))
-    if ours is None or ours.get("stage") is None:
-        return None
-    text = ours.get("stage")
-    if not text.isdecimal():
+def read_component(
+    document: Document, component: etree._Element, notices: list[str]
+) -> tuple[int | None, float | None]:
+    """Return the place in the order of stepping and the step [s] that an annotation gives a component, None if none."""
+    ours = _own(document, [component], "Component", ("stage", "stepSize"), notices)
+    if ours is None:
+        return None, None
+    text, step = ours.get("stage"), ours.get("stepSize")
+    if text is not None and not text.isdecimal():
         raise document.error(ours, f"stage = {text!r}: must be a whole number, 0 or larger")
-    return int(text)
+    return None if text is None else int(text), None if step is None else _positive(document, ours, step)
 
 
 def _own(
-    document: Document, holders: list[etree._Element], name: str, attributes: tuple[str, ...]
+    document: Document, holders: list[etree._Element], name: str, attributes: tuple[str, ...], notices: list[str]
 ) -> etree._Element | None:
-    """Return our annotation of some element; what is in it and not known is an error."""
+    """Return our annotation of some element; an element in it that is not known is an error, an attribute is told."""
     for holder in holders:
         for annotation in holder.iterfind(f"{SSD}Annotations/{SSC}Annotation"):
             for node in annotation:
                 if not node.tag.startswith(_OURS):
                     continue
-                unknown = [key for key in node.attrib if key not in attributes]
-                if local(node) != name or unknown or len(node):
-                    what = f"attribute {unknown[0]!r}" if unknown else f"element {local(node)!r}"
-                    raise document.error(node, f"{what} of the annotation is not known")
+                if local(node) != name or len(node):
+                    raise document.error(node, f"element {local(node)!r} of the annotation is not known")
+                for key in node.attrib:
+                    if key not in attributes:
+                        where = document.where(node)
+                        notices.append(Fault(f"{where}: attribute {key!r} of the annotation is not known; passed over"))
                 return node
     return None
 

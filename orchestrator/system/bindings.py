@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from lxml import etree
 
+from ..errors import Fault
 from ..fmi.instance import Value
 from .model import Hop, Parameter
 from .xml import SSD, SSM, SSV, Document, local
@@ -36,7 +37,7 @@ def bindings(document: Document, node: etree._Element, notices: list[str]) -> di
     for binding in node.iterfind(f"{SSD}ParameterBindings/{SSD}ParameterBinding"):
         found = {
             binding.get("prefix", "") + name: parameter
-            for name, parameter in _values(_content(document, binding, "ParameterValues", "set"))
+            for name, parameter in _values(_content(document, binding, "ParameterValues", "set"), notices)
         }
         mapping = binding.find(f"{SSD}ParameterMapping")
         if mapping is not None:
@@ -63,14 +64,18 @@ def _content(document: Document, node: etree._Element, kind: str, mime: str) -> 
     return document.inline(inside[0], kind)
 
 
-def _values(document: Document) -> Iterator[tuple[str, Parameter]]:
-    """Yield names and values of a parameter set."""
-    seen: set[str] = set()
+def _values(document: Document, notices: list[str]) -> Iterator[tuple[str, Parameter]]:
+    """Yield names and values of a parameter set; one that is repeated must be the same."""
+    seen: dict[str, Parameter] = {}
     for node in document.root.iterfind(f"{SSV}Parameters/{SSV}Parameter"):
-        if node.get("name") in seen:
-            raise document.error(node, "the parameter set has two of this name")
-        seen.add(node.get("name"))
-        yield node.get("name"), _parameter(document, node)
+        name, parameter = node.get("name"), _parameter(document, node)
+        first = seen.setdefault(name, parameter)
+        if first is parameter:
+            yield name, parameter
+        elif replace(first, origin=None) == replace(parameter, origin=None):
+            notices.append(Fault(f"{document.where(node)}: the parameter set has it twice, with the same value"))
+        else:
+            raise document.error(node, f"the parameter set has two of this name, and they differ: {first.origin}")
 
 
 def _parameter(document: Document, node: etree._Element) -> Parameter:

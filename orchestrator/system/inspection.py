@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, open_fmu
 from ..units import unit_name
+from .cases import find_system
 from .model import Element, Hop, Wire
 from .reader import read_system
+from .settable import settable
 
 
 def describe(path: Path) -> dict[str, Any]:
@@ -107,3 +110,12 @@ def _change(hops: tuple[Hop, ...]) -> str | None:
             text += f" in {unit_name(hop.unit)}"
         steps.append(text.strip())
     return ", then ".join(filter(None, steps)) or None
+
+
+def settable_in(file: Path) -> list[dict[str, Any]]:
+    """Return what can be set in an FMU, a system or a case, with types, units, start values and ranges."""
+    if file.suffix == ".fmu":
+        fmus = {file.stem: open_fmu(file)}
+    else:
+        fmus = {name: open_fmu(element.source) for name, element in find_system(str(file)).elements.items()}
+    return [asdict(each) for each in settable(fmus)]

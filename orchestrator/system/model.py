@@ -23,12 +23,14 @@ class Hop:
     unit : of the connector where the step ends; None: not told, the value keeps its own
     factor, offset : linear transformation, after the change of units
     convert : whether units are converted
+    declared : whether the file states the transformation
     """
 
     unit: Unit | str | None = None
     factor: float = 1.0
     offset: float = 0.0
     convert: bool = True
+    declared: bool = False
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,7 @@ class Element:
     parameters : values by variable name
     connectors : what the SSD says of its connectors
     stage : place in the order of stepping that an annotation gives it, None if none does
+    step : step of its own that an annotation gives it [s], None if none does
     """
 
     name: str
@@ -83,6 +86,7 @@ class Element:
     parameters: dict[str, Parameter] = field(default_factory=dict)
     connectors: dict[str, Connector] = field(default_factory=dict)
     stage: int | None = None
+    step: float | None = None
 
     @property
     def units(self) -> dict[str, str]:

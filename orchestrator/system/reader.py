@@ -8,9 +8,9 @@ from pathlib import Path, PurePath
 
 from lxml import etree
 
-from ..archive import unpack
-from ..errors import InputError
-from .annotations import read_settings, read_stage
+from ..archive import unpack, zip_faults
+from ..errors import Fault, InputError
+from .annotations import read_component, read_settings
 from .bindings import bindings
 from .graph import SOURCES, TARGETS, Graph, Port
 from .model import Connector, Element, Hop, Parameter, System, listing
@@ -59,18 +59,30 @@ class _Place:
 
 def read_archive(path: Path, variant: str | None) -> System:
     """Return the system of an .ssp file."""
-    folder, file, names = _variant(path, variant)
-    return replace(read_description(file, folder, f"{path}: {file.name}"), path=path, variants=names)
+    faults: list[str] = []
+    folder, file, names = _variant(path, variant, faults)
+    system = read_description(file, folder, f"{path}: {file.name}")
+    return replace(system, path=path, variants=names, notices=(*zip_faults(path), *faults, *system.notices))
 
 
-def _variant(path: Path, variant: str | None) -> tuple[Path, Path, tuple[str, ...]]:
-    """Return the folder of an unpacked archive, the SSD of a variant, and the names of all variants."""
+def _variant(path: Path, variant: str | None, notices: list[str]) -> tuple[Path, Path, tuple[str, ...]]:
+    """Return the folder of an unpacked archive, the SSD of a variant, and the names of all variants.
+
+    Another variant that cannot be read is passed over with a notice.
+    """
     folder = unpack(path, "SSP")
     default = folder / "SystemStructure.ssd"
     if not default.is_file():
         raise InputError(f"{path}: holds no SystemStructure.ssd, so it is not an SSP")
     files = [default, *(f for f in sorted(folder.glob("*.ssd")) if f != default)]
-    names = {file: str(parse(file, f"{path}: {file.name}").get("name")) for file in files}
+    names: dict[Path, str] = {}
+    for file in files:
+        try:
+            names[file] = str(parse(file, f"{path}: {file.name}").get("name"))
+        except InputError as error:
+            if file.name in (variant, None if variant else default.name):
+                raise
+            notices.append(Fault(f"{error}; another variant is read"))
     if variant is None:
         return folder, default, tuple(names.values())
     for file, name in names.items():
@@ -95,7 +107,7 @@ def read_description(file: Path, folder: Path, shown: str) -> System:
     graph = Graph()
     _read_system(graph, _Place(document, "", {}, {}), document.root.find(f"{SSD}System"))
     elements, wires, outputs = graph.flatten()
-    settings = read_settings(document)
+    settings = read_settings(document, graph.notices)
     return System(
         name=document.root.get("name"), path=file, elements=elements, wires=wires, outputs=outputs,
         start=settings.start, stop=settings.stop, step_size=settings.step_size, algorithm=settings.algorithm,
@@ -148,11 +160,13 @@ def _read_component(graph: Graph, place: _Place, node: etree._Element) -> str:
         return "System"
     if kind != _FMU:
         raise document.error(node, f"type {kind} is not supported; FMUs, SSDs and SSPs are")
-    if node.get("implementation", "any") not in ("any", "CoSimulation"):
-        raise document.error(node, f"wants {node.get('implementation')}; only CoSimulation is supported")
+    wanted = node.get("implementation", "any")
+    if wanted not in ("any", "CoSimulation"):
+        graph.notices.append(Fault(f"{document.where(node)}: wants {wanted}; it is run as co-simulation"))
     connectors = _read_connectors(document, node)
     graph.connectors.update({Port(name, key): connector for key, connector in connectors.items()})
-    graph.elements[name] = Element(name, document.resolve(node, source), values, connectors, read_stage(document, node))
+    stage, step = read_component(document, node, graph.notices)
+    graph.elements[name] = Element(name, document.resolve(node, source), values, connectors, stage, step)
     return "Component"
 
 
@@ -169,7 +183,7 @@ def _read_referenced(graph: Graph, place: _Place, node: etree._Element) -> None:
         inner = document.open(node, location, "Description")
     else:
         package = document.resolve(node, location)
-        folder, file, _ = _variant(package, variant or None)
+        folder, file, _ = _variant(package, variant or None, graph.notices)
         inner = read_document(file, "Description", folder, f"{package.name}: {file.name}")
     _read_system(graph, replace(place, document=inner), inner.root.find(f"{SSD}System"))
     for name, outside in _read_connectors(document, node).items():
@@ -203,15 +217,16 @@ def _read_connection(graph: Graph, place: _Place, node: etree._Element, kinds: M
         verb = "give" if start_gives else "take"
         raise document.error(node, f"both connectors {verb} values: {start} and {end}")
     source, target = (end, start) if start_gives is False or end_gives else (start, end)
-    factor, offset = 1.0, 0.0
+    factor, offset, declared = 1.0, 0.0, False
     for change in node:
         if local(change) == "LinearTransformation":
+            declared = True
             factor, offset = document.number(change, "factor", 1.0), document.number(change, "offset", 0.0)
         elif local(change).endswith("Transformation"):
             raise document.error(node, f"a {local(change)} of a connection is not supported")
     convert = node.get("suppressUnitConversion", "false") not in ("true", "1")
     unit = graph.connectors.get(target, Connector()).unit
-    graph.connect(source, target, Hop(unit, factor, offset, convert), document.where(node))
+    graph.connect(source, target, Hop(unit, factor, offset, convert, declared), document.where(node))
 
 
 def _read_end(
@@ -222,6 +237,9 @@ def _read_end(
     An element of a component's array has its indices in its name, counted from 1, as the FMU's variables have them.
     """
     document, element, name = place.document, node.get(f"{end}Element"), node.get(f"{end}Connector")
+    if element == "":
+        graph.notices.append(Fault(f"{document.where(node)}: {end}Element is empty; read as the system itself"))
+        element = None
     if element is not None and element not in kinds:
         raise document.error(node, f"names the component {element!r}; there are {listing(kinds)}")
     port = Port(place.path if element is None else place.full(element), name)

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from ..errors import InputError
-from ..fmi.instance import Fmu, Value
+from ..fmi.instance import Fmu, Value, Variable
 from ..units import BASE_UNITS, Unit, conversion, unit_name
 from .model import Element, Hop, Parameter
 
@@ -53,6 +53,19 @@ def elements_of(name: str, fmu: Fmu) -> list[str]:
     return arrays.get(name, [])
 
 
+def resized(element: Element, fmu: Fmu) -> Fmu:
+    """Return the FMU of a component with the sizes that its structural parameters are given."""
+    sizes: dict[str, int] = {}
+    for name, parameter in element.parameters.items():
+        variable = fmu.variables.get(name)
+        if variable is not None and variable.causality == "structuralParameter":
+            where = f"parameter {element.name}.{name}" + (f" ({parameter.origin})" if parameter.origin else "")
+            value = _convert(parameter, variable.type, None, {}, where)
+            _check_range(float(value), (variable.min or "1", variable.max), None, f"{where} = {value}")
+            sizes[name] = int(value)
+    return fmu.resized(sizes) if sizes else fmu
+
+
 def component_values(element: Element, fmu: Fmu) -> Values:
     """Return the values of a component.
 
@@ -65,6 +78,7 @@ def component_values(element: Element, fmu: Fmu) -> Values:
         For a value that cannot be set.
     """
     values: dict[str, Value] = {}
+    holders: dict[tuple[str, int, int], str] = {}
     notices = []
     declared = {variable.name: variable for variable in fmu.description.modelVariables}
     for name, parameter in _by_element(element, fmu):
@@ -75,14 +89,23 @@ def component_values(element: Element, fmu: Fmu) -> Values:
         where += f" ({parameter.origin})" if parameter.origin else ""
         known(name, fmu, where)
         variable, told = fmu.variables[name], declared.get(name)
+        if variable.causality == "structuralParameter":
+            continue  # `resized` has it
         settable = told is not None and told.initial in _SETTABLE and told.variability != "constant"
-        if variable.causality not in ("parameter", "input", "structuralParameter") and not settable:
+        if variable.causality not in ("parameter", "input") and not settable:
             raise InputError(f"{where}: is no parameter but {variable.causality}")
         items = {item.name: int(item.value) for item in getattr(getattr(told, "declaredType", None), "items", ())}
         value = _convert(parameter, variable.type, variable_unit(element, fmu, name, where), items, where)
         if isinstance(value, int | float):
             unit = fmu.unit(name)
             _check_range(float(value), (variable.min, variable.max), unit, f"{where} = {value:g}")
+            _check_type(value, variable, where)
+        other = holders.setdefault(variable.place, name)
+        if other != name and values[other] != value:
+            raise InputError(
+                f"{where} = {value}: is one variable with {other} (value reference {variable.valueReference}), "
+                f"which is given {values[other]}"
+            )
         values[name] = value
     return Values(values, tuple(notices))
 
@@ -159,6 +182,16 @@ def _check_range(value: float, limits: tuple[str | None, str | None], unit: str 
         raise InputError(f"{where}: must be in the range {low:g} to {high:g}{told}")
 
 
+def _check_type(value: float, variable: Variable, where: str) -> None:
+    """Raise InputError if a whole number does not fit into the FMU's type."""
+    bits = {"Integer": "Int32", "Enumeration": "Int64"}.get(variable.fmi_type, variable.fmi_type)
+    if "Int" not in bits:
+        return
+    limits = np.iinfo(bits.lower())
+    if not limits.min <= value <= limits.max:
+        raise InputError(f"{where} = {value}: must be in the range {limits.min} to {limits.max} of {variable.fmi_type}")
+
+
 def _convert(parameter: Parameter, kind: str, unit: Unit | str | None, items: dict[str, int], where: str) -> Value:
     """Return a value as the type of the variable wants it, after its way.
 
@@ -190,7 +223,8 @@ def _convert(parameter: Parameter, kind: str, unit: Unit | str | None, items: di
     number = _number(value, where)
     if not number.is_integer():
         raise InputError(f"{where} = {value}: must be a whole number")
-    return int(number)
+    text = str(value).strip()
+    return int(text) if text.lstrip("+-").isdecimal() else int(number)
 
 
 def _number(value: Value, where: str) -> float:

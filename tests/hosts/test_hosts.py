@@ -17,8 +17,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from fmpy.ssp.simulation import simulate_ssp
 
-from fmus.cases import read_cases
 from fmus.interface import connections
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
@@ -42,6 +42,19 @@ assert execution.step(int(sys.argv[3]))
 values = observer.last_real_values(slave_index=contact, variable_references=json.loads(sys.argv[4]))
 print("RESULT" + json.dumps(list(values)), flush=True)
 os._exit(0)
+"""
+
+
+COFMUPY = """
+import json, sys
+from cofmupy import Coordinator
+config, step, steps, names = json.loads(sys.argv[1]), float(sys.argv[2]), int(sys.argv[3]), json.loads(sys.argv[4])
+coordinator = Coordinator()
+coordinator.start(config)
+for _ in range(steps):
+    coordinator.do_step(step)
+results = coordinator.get_results()
+print("RESULT" + json.dumps([float(results[tuple(name.split("."))][-1]) for name in names]), flush=True)
 """
 
 
@@ -102,10 +115,7 @@ def test_libcosim_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> 
 
 
 def test_a_container_of_the_fmu_manipulation_toolbox_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
-    """The toolbox makes one FMU of the three; FMPy runs it.
-
-    Its import of SSPs leaves parameter sets out, so the system is given in its own format.
-    """
+    """The toolbox makes one FMU of the three; FMPy runs it: Case 1 from the start values of the FMUs alone."""
     package("fmu_manipulation_toolbox")
     for name in ("wheel", "rail", "contact"):
         shutil.copy(native / f"{name}.fmu", tmp_path)
@@ -118,7 +128,6 @@ def test_a_container_of_the_fmu_manipulation_toolbox_agrees(native: Path, expect
             for c in connections()
         ],
         "output": [["contact.fmu", name.removeprefix("contact."), name.removeprefix("contact.")] for name in WATCHED],
-        "start": [["contact.fmu", name, value] for name, value in read_cases()[0].contact.items()],
     }
     (tmp_path / "coupled.json").write_text(json.dumps(system))
     program = Path(sys.executable).parent / "fmucontainer"
@@ -129,3 +138,35 @@ def test_a_container_of_the_fmu_manipulation_toolbox_agrees(native: Path, expect
     names = [name.removeprefix("contact.") for name in WATCHED]
     result = fmpy.simulate_fmu(str(file), stop_time=STEPS * H, step_size=H, output_interval=H, output=names)
     np.testing.assert_allclose([result[n][-1] for n in names], expected, rtol=1e-6, atol=1e-6)
+
+
+def test_a_runner_that_ignores_parameter_sets_runs_case_1(native: Path, expected: np.ndarray) -> None:
+    """FMPy's runner of SSPs reads the structure only; the contact has the values of its case as start values."""
+    result = simulate_ssp(str(native / "curvesqueal.ssp"), stop_time=STEPS * H, step_size=H)
+    np.testing.assert_allclose([result[name][-1] for name in WATCHED], expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_cofmupy_agrees(native: Path, expected: np.ndarray) -> None:
+    """In an environment of its own (`make hosts`), because it wants older versions of FMPy and PythonFMU."""
+    program = Path(sys.prefix) / "hosts" / "bin" / "python"
+    if not program.is_file():
+        pytest.skip("needs the environment that `make hosts` makes")
+    config = {
+        "fmus": [{"id": name, "path": str(native / f"{name}.fmu")} for name in ("wheel", "rail", "contact")],
+        "connections": [
+            {
+                "source": {"id": c.start_element, "variable": c.start_connector},
+                "target": {"id": c.end_element, "variable": c.end_connector},
+            }
+            for c in connections()
+        ],
+        "cosim_method": "jacobi",
+        "iterative": False,
+    }
+    arguments = [json.dumps(config), repr(H), str(STEPS), json.dumps(WATCHED)]
+    command = [str(program), "-c", COFMUPY, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    line = next((text for text in done.stdout.splitlines() if text.startswith("RESULT")), None)
+    assert line is not None, done.stderr[-2000:]
+    np.testing.assert_allclose(json.loads(line.removeprefix("RESULT")), expected, rtol=1e-9, atol=1e-9)

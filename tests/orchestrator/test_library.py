@@ -46,7 +46,7 @@ def test_outcome_has_everything(tmp_path: Path) -> None:
     scenario = load("case4", duration=0.005, step=1e-5, record_every=2)
     run = simulate(scenario, folder=tmp_path, progress=follow, checkpoint=tmp_path / "c")
     assert seen[-1] == 500
-    assert run.data.sizes["time"] == 250
+    assert run.data.sizes["time"] == 251
     assert run.data["contact.normal_force"].attrs["units"] == "N"
     assert run.picture is None
     assert run.progress.energy_residual.keys() == {"lon", "lat", "ver", "spin"}

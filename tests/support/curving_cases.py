@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.component import Instance
+from fmus.creep.kalker import creepage_coefficients
 from fmus.curving.balance import unscale
 from fmus.curving.bogie import Bogie, BogieState, Curve
 from fmus.curving.component import vehicle
@@ -81,7 +82,7 @@ def linear_bogie(curvature: float, conicity: float = 0.05, **parameters: float) 
 def stiffness_of_creep() -> tuple[float, float]:
     """Return f11 and f22, creep force per creepage of the reference vehicle's patch [N]."""
     i = Instance(vehicle())
-    i.initialise()
-    c11, c22 = i.derived[D.constants : D.constants + 2]
-    area = i.parameters[P.shear_modulus] * i.parameters[P.semi_axis_lon] * i.parameters[P.semi_axis_lat]
+    a, b = i.parameters[P.semi_axis_lon], i.parameters[P.semi_axis_lat]
+    area = i.parameters[P.shear_modulus] * a * b
+    c11, c22, _ = creepage_coefficients(float(a), float(b), float(i.parameters[P.poisson_ratio]))
     return float(area * c11), float(area * c22)

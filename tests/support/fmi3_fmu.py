@@ -197,7 +197,7 @@ def write_ssd(path: Path, components: dict[str, Path], wires: Sequence[tuple[str
         'xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription" '
         'xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">'
         f'<ssd:System name="root"><ssd:Elements>{elements}</ssd:Elements>'
-        f"<ssd:Connections>{connections}</ssd:Connections></ssd:System>"
+        f"{connections and f'<ssd:Connections>{connections}</ssd:Connections>'}</ssd:System>"
         f'<ssd:DefaultExperiment startTime="0" stopTime="{stop}"/></ssd:SystemStructureDescription>'
     )
     return path

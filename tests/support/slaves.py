@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
@@ -111,6 +112,7 @@ class Slave3:
         self.description = fmpy.read_model_description(self.folder)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[str] = []
+        self.time = 0.0
         self.slave = FMU3Slave(
             guid=self.description.guid, unzipDirectory=self.folder, instanceName="test",
             modelIdentifier=self.description.coSimulation.modelIdentifier,
@@ -133,6 +135,22 @@ class Slave3:
     def set(self, name: str, values: list[float]) -> None:
         """Set a variable."""
         self.slave.setFloat64([self.variables[name].valueReference], values)
+
+    def _references(self, causality: str) -> list[int]:
+        return [v.valueReference for v in self.variables.values() if v.causality == causality]
+
+    def set_inputs(self, values: np.ndarray) -> None:
+        """Set all inputs, in the order of the model description."""
+        self.slave.setFloat64(self._references("input"), values.tolist())
+
+    def outputs(self) -> np.ndarray:
+        """Return all outputs."""
+        return np.array(self.slave.getFloat64(self._references("output")))
+
+    def step(self) -> None:
+        """Make one step."""
+        self.slave.doStep(self.time, H)
+        self.time += H
 
     def close(self) -> None:
         """Free the slave."""
@@ -161,3 +179,20 @@ class InProcess:
 
     def close(self) -> None:
         """Do nothing."""
+
+
+def coupled(parts: Sequence[Slave | Slave3 | InProcess], steps: int) -> np.ndarray:
+    """Couple wheel, rail and contact, structures first, and return all outputs of every step."""
+    wheel, rail, contact = parts
+    rows = []
+    for _ in range(steps):
+        for slave in (wheel, rail):
+            slave.step()
+        w, r = wheel.outputs(), rail.outputs()
+        contact.set_inputs(np.concatenate([w[0:4], r[0:4], w[5:7], r[5:7]]))
+        contact.step()
+        c = contact.outputs()
+        wheel.set_inputs(c[0:4])
+        rail.set_inputs(c[4:8])
+        rows.append(np.concatenate([w, r, c]))
+    return np.array(rows)

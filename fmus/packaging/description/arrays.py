@@ -42,3 +42,8 @@ def arrays(component: Component) -> list[Array]:
         else:
             groups.append(Array(variable.name, position, (variable,)))
     return groups
+
+
+def scalars(component: Component) -> list[Array]:
+    """Return every variable of a component on its own, in order: for hosts that know no arrays."""
+    return [Array(variable.name, position, (variable,)) for position, variable in enumerate(component.variables)]

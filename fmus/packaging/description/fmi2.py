@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from ...component import Component, Variable
@@ -10,7 +10,9 @@ from ...interface import DEFAULT_STEP
 from .common import identify, log_categories, roles, type_attributes, unit_definitions
 
 
-def model_description(component: Component, version: str, content: str, derivatives: bool = False) -> Element:
+def model_description(
+    component: Component, version: str, content: str, derivatives: bool = False, sources: Sequence[str] = ()
+) -> Element:
     """Return the root element of modelDescription.xml for FMI 2.0.
 
     Parameters
@@ -19,6 +21,7 @@ def model_description(component: Component, version: str, content: str, derivati
     version : version of the project
     content : text that identifies the code in the FMU; together with the declaration it makes the guid
     derivatives : whether the FMU provides directional derivatives
+    sources : names of the files that a C compiler makes the FMU of
     """
     root = Element("fmiModelDescription")
     options = {
@@ -32,7 +35,11 @@ def model_description(component: Component, version: str, content: str, derivati
     if derivatives:
         options["providesDirectionalDerivative"] = "true"
     unit_definitions(root, component)
-    SubElement(root, "CoSimulation", options)
+    interface = SubElement(root, "CoSimulation", options)
+    if sources:
+        listed = SubElement(interface, "SourceFiles")
+        for name in sources:
+            SubElement(listed, "File", name=name)
     log_categories(root)
     SubElement(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=repr(DEFAULT_STEP))
     variables = SubElement(root, "ModelVariables")

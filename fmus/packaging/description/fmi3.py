@@ -7,14 +7,19 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...component import Component
 from ...interface import DEFAULT_STEP
-from .arrays import Array, arrays
+from ...modal.layout import DAMPING_RATIO
+from .arrays import Array, arrays, scalars
 from .common import identify, log_categories, roles, type_attributes, unit_definitions
 
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 TIME = "time"
 
 
-def model_description3(component: Component, version: str, content: str) -> Element:
+FIRST_REFERENCE = 1
+"""Value references count the variables from 1 on: some hosts take them for positions in the list."""
+
+
+def model_description3(component: Component, version: str, content: str, only_scalars: bool = False) -> Element:
     """Return the root element of modelDescription.xml for FMI 3.0.
 
     Parameters
@@ -22,8 +27,9 @@ def model_description3(component: Component, version: str, content: str) -> Elem
     component : Component
     version : version of the project
     content : text that identifies the code in the FMU; together with the declaration it makes the token
+    only_scalars : whether numbered variables stay scalars, for hosts that know no arrays
     """
-    groups = arrays(component)
+    groups = scalars(component) if only_scalars else arrays(component)
     root = Element("fmiModelDescription")
     options = {
         "modelIdentifier": component.name,
@@ -40,10 +46,10 @@ def model_description3(component: Component, version: str, content: str) -> Elem
     log_categories(root)
     SubElement(root, "DefaultExperiment", startTime="0", stopTime="1", stepSize=repr(DEFAULT_STEP))
     variables = SubElement(root, "ModelVariables")
-    for reference, group in enumerate(groups):
+    for reference, group in enumerate(groups, FIRST_REFERENCE):
         variables.append(_variable(reference, group))
     SubElement(
-        variables, "Float64", name=TIME, valueReference=str(len(groups)), causality="independent",
+        variables, "Float64", name=TIME, valueReference=str(FIRST_REFERENCE + len(groups)), causality="independent",
         variability="continuous", unit="s", description="time",
     )  # fmt: skip
     _model_structure(root, groups)
@@ -58,7 +64,7 @@ def _variable(reference: int, group: Array) -> Element:
     attributes = {
         "name": group.name,
         "valueReference": str(reference),
-        "description": text if group.is_scalar else text.rsplit(" of mode ", 1)[0] + ", one value per mode",
+        "description": text if group.is_scalar else _of_all(group),
         **roles(variable),
         **type_attributes(variable),
     }
@@ -70,9 +76,16 @@ def _variable(reference: int, group: Array) -> Element:
     return element
 
 
+def _of_all(group: Array) -> str:
+    """Return the description of an array; that of the damping ratios has the labels of the modes."""
+    parts = [variable.description.partition(" of mode ") for variable in group.variables]
+    text, labels = f"{parts[0][0]}, one value per mode", [part[2].partition(", ")[2] for part in parts]
+    return f"{text}: {'; '.join(labels)}" if group.name == DAMPING_RATIO and any(labels) else text
+
+
 def _model_structure(root: Element, groups: list[Array]) -> None:
     """Write outputs with their dependencies, and the unknowns of the initialisation."""
-    reference = {v.name: r for r, group in enumerate(groups) for v in group.variables}
+    reference = {v.name: r for r, group in enumerate(groups, FIRST_REFERENCE) for v in group.variables}
     structure = SubElement(root, "ModelStructure")
 
     def add(kind: str, group: Array, known: Iterable[str] | None) -> None:

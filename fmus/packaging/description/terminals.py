@@ -11,9 +11,15 @@ from ...interface import STRUCTURES, connections
 KIND = "org.curvesqueal.wheel-rail-contact"
 
 
-def terminal_files(component: Component) -> dict[str, bytes]:
-    """Return the files of the folder `terminalsAndIcons`, and the model's picture, by their names in the FMU."""
+def terminal_files(component: Component, fmi: int) -> dict[str, bytes]:
+    """Return the files of the folder `terminalsAndIcons`, and the model's picture, by their names in the FMU.
+
+    An FMU of FMI 2.0 has the picture only: the file's schema wants `fmiVersion` to be 3.0 or later, FMI Library wants
+    it to be that of the model description and else logs a fatal error, so that nothing suits both.
+    """
     icon = files(__package__).joinpath("icon.png").read_bytes()
+    if fmi < 3:
+        return {"model.png": icon}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = SubElement(root, "GraphicalRepresentation")
     SubElement(picture, "CoordinateSystem", x1="-100", y1="-100", x2="100", y2="100", suggestedScalingFactorTo_mm="0.1")

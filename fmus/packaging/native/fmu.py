@@ -9,22 +9,24 @@ import shutil
 import struct
 import tempfile
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from importlib.metadata import version as version_of
 from importlib.resources import files
 from pathlib import Path
-from xml.etree.ElementTree import Element, tostring
+from xml.etree.ElementTree import Element, SubElement, tostring
 
 import fmpy
 
 from ...component import Component
 from ..archive import write_files
+from ..c99.translator import translate
 from ..description.documentation import documentation_files
 from ..description.fmi2 import model_description
 from ..description.fmi3 import model_description3
 from ..description.terminals import terminal_files
 from ..sources import PACKAGE, kernel_files
 from .linker import FLAGS, Compiler, find_compiler, link
-from .lowering import lower
+from .lowering import lower, sizes_of
 from .platforms import PLATFORMS, Platform
 from .tables import component_header
 
@@ -35,8 +37,26 @@ HEADERS = {
 """The headers of the standard, under a BSD licence, as FMPy carries them."""
 
 
+@dataclass(frozen=True)
+class Standard:
+    """What an FMU speaks.
+
+    Attributes
+    ----------
+    fmi : major version, 2 or 3
+    only_scalars : whether FMI 3 does without arrays
+    """
+
+    fmi: int = 2
+    only_scalars: bool = False
+
+
 def build_native_fmus(
-    components: Mapping[str, Component], platforms: Iterable[str], fmi: int, folder: Path, version: str
+    components: Mapping[str, Component],
+    platforms: Iterable[str],
+    standard: Standard,
+    folder: Path,
+    version: str,
 ) -> dict[str, Path]:
     """Write one FMU per component into `folder`; return the files by name. The same input gives the same bytes.
 
@@ -44,7 +64,7 @@ def build_native_fmus(
     ----------
     components : by the name of the FMU file without suffix
     platforms : names of `PLATFORMS`
-    fmi : 2 or 3
+    standard : Standard
     folder : where the FMUs go; must exist
     version : version of the project, written into the model description
 
@@ -67,22 +87,27 @@ def build_native_fmus(
         for name, component in components.items():
             own = {p: objects[name, p.triple] for p in chosen}
             file = folder / f"{name}.fmu"
-            write_files(_content(component, fmi, own, compilers, version), file)
+            write_files(_content(component, standard, own, compilers, version), file)
             built[name] = file
     return built
 
 
 def _content(
-    component: Component, fmi: int, objects: Mapping[Platform, Path], compilers: Mapping[str, Compiler], version: str
+    component: Component,
+    standard: Standard,
+    objects: Mapping[Platform, Path],
+    compilers: Mapping[str, Compiler],
+    version: str,
 ) -> dict[str, bytes]:
     """Return the files of an FMU by their names in it."""
-    sources = _sources(component, fmi, version)
+    fmi = standard.fmi
+    sources, description = _sources(component, standard, version)
     content = {
-        **{f"sources/{name}": data for name, data in sources.items() if not name.endswith(".xml")},
-        "modelDescription.xml": sources["modelDescription.xml"],
-        "extra/org.curvesqueal/build.json": _build_description(component, fmi, objects, compilers),
+        **{f"sources/{name}": data for name, data in sources.items()},
+        "modelDescription.xml": description,
+        "extra/org.curvesqueal/build.json": _provenance(component, fmi, objects, compilers),
         **documentation_files(component, version, python=False),
-        **terminal_files(component),
+        **terminal_files(component, fmi),
     }
     with tempfile.TemporaryDirectory(prefix="curvesqueal_") as temporary:
         folder = Path(temporary)
@@ -99,25 +124,38 @@ def _content(
     return content
 
 
-def _sources(component: Component, fmi: int, version: str) -> dict[str, bytes]:
-    """Return what the compiler reads, by file name, and modelDescription.xml."""
+def _sources(component: Component, standard: Standard, version: str) -> tuple[dict[str, bytes], bytes]:
+    """Return what a C compiler reads, by file name, and modelDescription.xml."""
+    fmi = standard.fmi
     c = files(__package__).joinpath("c")
-    standard = Path(fmpy.__file__).parent / "c-code"
+    headers = Path(fmpy.__file__).parent / "c-code"
     sources = {name: c.joinpath(name).read_bytes() for name in ("instance.h", f"fmi{fmi}.c")}
-    sources |= {name: (standard / name).read_bytes() for name in HEADERS[fmi]}
+    sources |= {name: (headers / name).read_bytes() for name in HEADERS[fmi]}
+    names = ("initialise", "do_step", *(("differentiate",) if component.differentiable else ()))
+    sources["kernels.c"] = translate({name: component.kernel(name) for name in names}, sizes_of(component)).encode()
     digest = hashlib.sha256(_kernel_text(component))
     for name in sorted(sources):
         digest.update(sources[name])
-    describe = model_description3 if fmi == 3 else _with_derivatives
-    root = describe(component, version, digest.hexdigest()[:16])
+    content = digest.hexdigest()[:16]
+    if fmi == 3:
+        root = model_description3(component, version, content, standard.only_scalars)
+        sources["buildDescription.xml"] = _build_description(component.name)
+    else:
+        root = model_description(component, version, content, component.differentiable, [f"fmi{fmi}.c"])
     token = root.attrib["instantiationToken" if fmi == 3 else "guid"]
-    sources["component.h"] = component_header(component, fmi, token).encode()
-    sources["modelDescription.xml"] = tostring(root, "utf-8", xml_declaration=True)
-    return sources
+    sources["component.h"] = component_header(component, fmi, token, standard.only_scalars).encode()
+    return sources, tostring(root, "utf-8", xml_declaration=True)
 
 
-def _with_derivatives(component: Component, version: str, content: str) -> Element:
-    return model_description(component, version, content, derivatives=component.differentiable)
+def _build_description(identifier: str) -> bytes:
+    """Return buildDescription.xml: which files to compile, and with what."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    sources = SubElement(configuration, "SourceFileSet", language="C99")
+    SubElement(sources, "SourceFile", name="fmi3.c")
+    SubElement(configuration, "Library", name="m", external="true", description="the C mathematics library")
+    text: bytes = tostring(root, "utf-8", xml_declaration=True)
+    return text
 
 
 def _kernel_text(component: Component) -> bytes:
@@ -125,7 +163,7 @@ def _kernel_text(component: Component) -> bytes:
     return b"".join((PACKAGE / name).read_bytes() for name in kernel_files(component))
 
 
-def _build_description(
+def _provenance(
     component: Component, fmi: int, objects: Mapping[Platform, Path], compilers: Mapping[str, Compiler]
 ) -> bytes:
     """Return how the binaries were made."""

@@ -15,7 +15,18 @@ from pathlib import Path
 
 from .platforms import PLATFORMS, Platform, this_platform
 
-FLAGS = ("-std=c99", "-O2", "-g0", "-fPIC", "-fvisibility=hidden", "-shared", "-Wall", "-Wextra", "-Werror")
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-g0",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-shared",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+    "-DNATIVE_KERNELS",
+)
 
 
 @dataclass(frozen=True)

@@ -55,8 +55,10 @@ def lower(components: Mapping[str, Component], triples: Iterable[str], folder: P
     triples : LLVM's names of the platforms
     folder : also gets NAME.ll, the kernels in LLVM's language
     """
+    kinds = {name: (c.kernels, tuple(sizes_of(c))) for name, c in components.items()}
+    first = {kind: name for name, kind in reversed(kinds.items())}  # the same kernels and sizes are compiled once
     specification = {
-        "components": {name: [c.kernels, _sizes(c)] for name, c in components.items()},
+        "components": {name: list(kind) for kind, name in first.items()},
         "triples": sorted(triples),
         "folder": str(folder),
     }
@@ -68,10 +70,14 @@ def lower(components: Mapping[str, Component], triples: Iterable[str], folder: P
     )  # fmt: skip
     if done.returncode:
         raise RuntimeError(f"the kernels could not be compiled: {done.stderr.strip()}")
-    return {(name, triple): folder / f"{name}.{triple}.o" for name in components for triple in specification["triples"]}
+    return {
+        (name, triple): folder / f"{first[kind]}.{triple}.o"
+        for name, kind in kinds.items()
+        for triple in specification["triples"]
+    }
 
 
-def _sizes(component: Component) -> list[int]:
+def sizes_of(component: Component) -> list[int]:
     """Return the lengths of parameters, derived, state, inputs and outputs."""
     i = Instance(component)
     return [a.size for a in (i.parameters, i.derived, i.state, i.inputs, i.outputs)]

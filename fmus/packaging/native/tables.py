@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from ...component import Component, Instance, Variable
-from ..description.arrays import arrays
+from ..description.arrays import arrays, scalars
 
 CAUSALITY = {
     "parameter": "PARAMETER",
@@ -16,21 +16,23 @@ CAUSALITY = {
 }
 
 
-def component_header(component: Component, fmi: int, token: str) -> str:
+def component_header(component: Component, fmi: int, token: str, only_scalars: bool = False) -> str:
     """Return component.h, which instance.h includes.
 
     Parameters
     ----------
     component : Component
-    fmi : major FMI version; in 3, value references count arrays and the time is a variable
+    fmi : major FMI version; in 3, value references count arrays from 1 on and the time is a variable
     token : guid or instantiation token
+    only_scalars : whether there are no arrays in FMI 3
     """
     instance = Instance(component)
     rows = [_row(v, place) for v, place in zip(component.variables, instance.places(), strict=True)]
     if fmi == 2:
         first = list(range(len(rows) + 1))
     else:
-        first = [*(group.first for group in arrays(component)), len(rows), len(rows) + 1]
+        groups = scalars(component) if only_scalars else arrays(component)
+        first = [*(group.first for group in groups), len(rows), len(rows) + 1]
         rows.append('{"time", "s", 0.0, 0.0, 0.0, MEMORY_SIZE, INDEPENDENT, REAL, 0}')
     sizes = [a.size for a in (instance.parameters, instance.derived, instance.state)]
     numbers = {
@@ -41,6 +43,7 @@ def component_header(component: Component, fmi: int, token: str) -> str:
         "OUTPUTS_PLACE": sum(sizes) + instance.inputs.size,
         "N_VARIABLES": len(rows),
         "N_REFERENCES": len(first) - 1,
+        "FIRST_REFERENCE": int(fmi > 2),
         "HAS_DERIVATIVES": int(component.differentiable),
     }
     lines = [
@@ -50,7 +53,7 @@ def component_header(component: Component, fmi: int, token: str) -> str:
         "static const Variable variables[N_VARIABLES] = {",
         *(f"    {row}," for row in rows),
         "};",
-        "/* Variables first_variable[r] to first_variable[r + 1] - 1 have the value reference r. */",
+        "/* Position of the first variable of each value reference, and the end. */",
         "static const uint32_t first_variable[N_REFERENCES + 1] = {" + ", ".join(map(str, first)) + "};",
     ]
     return "\n".join(lines) + "\n"

@@ -73,7 +73,9 @@ def build_python_fmu(component: Component, file: Path, version: str) -> Path:
             raw = FmuBuilder.build_FMU(
                 script, dest=Path(folder) / "raw.fmu", project_files=[Path(folder) / package], needsExecutionTool=False
             )
-        write_archive(raw, file, {**documentation_files(component, version, python=True), **terminal_files(component)})
+        write_archive(
+            raw, file, {**documentation_files(component, version, python=True), **terminal_files(component, 2)}
+        )
     return file
 
 

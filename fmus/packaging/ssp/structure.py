@@ -6,12 +6,12 @@ component named `initialValues`, the step size in the annotations that tools loo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from ...cases import Case
 from ...component import Component, Instance, Variable
-from ...interface import STEP_SIZE, STRUCTURES, UNITS, connections, mobility_ports
+from ...interface import STEP_SIZE, UNITS, connections, mobility_ports
 from .xml import add_experiment, add_openmodelica_step, add_units, parameter_set, tag, to_bytes
 
 _GEOMETRY = {"wheel": ("10", "60", "40", "80"), "rail": ("10", "10", "40", "30"), "contact": ("70", "35", "100", "55")}
@@ -28,6 +28,26 @@ def system_mobility(structures: list[Component], step_size: float) -> dict[str, 
     return total
 
 
+def contact_values(components: Mapping[str, Component], case: Case) -> dict[str, float]:
+    """Return the parameters of the contact that a case sets, with the interface mobility of its wheel and rail."""
+    return {**case.contact, **system_mobility([components[case.wheel], components[case.rail]], case.step_size)}
+
+
+def contacts(components: Mapping[str, Component], cases: Sequence[Case]) -> dict[str, Component]:
+    """Return one contact per case with the values of the case as start values, by FMU file name without suffix.
+
+    Many hosts ignore parameter sets; a contact that needs them would then stand still. The first one is `contact`.
+    """
+    return {
+        contact_name(case, cases): components["contact"].with_starts(contact_values(components, case)) for case in cases
+    }
+
+
+def contact_name(case: Case, cases: Sequence[Case]) -> str:
+    """Return the FMU file name, without suffix, of the contact of a case."""
+    return "contact" if case.name == cases[0].name else f"contact-{case.name}"
+
+
 def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> dict[str, bytes]:
     """Return every text file of the archive by its name: the SSDs and the SSVs.
 
@@ -39,27 +59,26 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
     files = {}
     for number, case in enumerate(cases):
         parts = {"wheel": components[case.wheel], "rail": components[case.rail], "contact": components["contact"]}
-        mobility = system_mobility([parts[s] for s in STRUCTURES], case.step_size)
         values = {
             "wheel": {STEP_SIZE: case.step_size},
             "rail": {STEP_SIZE: case.step_size},
-            "contact": {**case.contact, **mobility},
+            "contact": contact_values(components, case),
         }
+        fmus = {"wheel": case.wheel, "rail": case.rail, "contact": contact_name(case, cases)}
         for name, component in parts.items():
             files[f"resources/{name}-{case.name}.ssv"] = to_bytes(_parameter_set(component, values[name]))
         ssd = "SystemStructure.ssd" if number == 0 else f"{case.name}.ssd"
-        files[ssd] = to_bytes(_description(case, parts))
+        files[ssd] = to_bytes(_description(case, parts, fmus))
     return files
 
 
-def _description(case: Case, parts: Mapping[str, Component]) -> Element:
-    """Return the SystemStructureDescription of a case."""
+def _description(case: Case, parts: Mapping[str, Component], fmus: Mapping[str, str]) -> Element:
+    """Return the SystemStructureDescription of a case; `fmus` are FMU file names, without suffix, by part."""
     root = Element(tag("ssd", "SystemStructureDescription"), version="1.0", name=case.name)
     system = SubElement(root, tag("ssd", "System"), name="curvesqueal", description=case.title)
     elements = SubElement(system, tag("ssd", "Elements"))
     for name, component in parts.items():
-        fmu = {"wheel": case.wheel, "rail": case.rail}.get(name, name)
-        elements.append(_component(name, f"resources/{fmu}.fmu", f"resources/{name}-{case.name}.ssv", component))
+        elements.append(_component(name, f"resources/{fmus[name]}.fmu", f"resources/{name}-{case.name}.ssv", component))
     wires = SubElement(system, tag("ssd", "Connections"))
     for c in connections():
         SubElement(

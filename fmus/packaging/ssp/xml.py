@@ -82,6 +82,8 @@ def add_experiment(root: Element, start: float, stop: float, step_size: float, a
     annotate(experiment, "curvesqueal", master)
 
 
-def add_stage(component: Element, stage: int) -> None:
-    """Add the place of a component in the order of stepping."""
-    annotate(component, "curvesqueal", Element(tag("curvesqueal", "Component"), stage=str(stage)))
+def add_stage(component: Element, stage: int | None, step: float | None = None) -> None:
+    """Add the place of a component in the order of stepping, and a step of its own [s]."""
+    told = {"stage": None if stage is None else str(stage), "stepSize": None if step is None else repr(step)}
+    given = {key: text for key, text in told.items() if text is not None}
+    annotate(component, "curvesqueal", Element(tag("curvesqueal", "Component"), given))

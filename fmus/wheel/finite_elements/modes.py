@@ -48,6 +48,8 @@ class WheelMode:
     u_r, u_theta, u_z : shape at the contact point, outwards, tangential, away from mid-axle [kg^-1/2]
     du_theta_dz : axial derivative of u_theta there [kg^-1/2/m]
     area_axial, area_radial : surface integrals of u_z^2 and u_r^2 over one wheel, projected [m2/kg]
+    du_r_ds, du_z_ds, d2u_r_ds2, d2u_z_ds2 : derivatives of u_r and u_z along the tread, by the length to the field side
+        [kg^-1/2/m, kg^-1/2/m2]
     label : 'rigid', 'axle' or (n,m): m nodal circles, or r (radial), c (circumferential), t (torsion)
     """
 
@@ -60,6 +62,10 @@ class WheelMode:
     du_theta_dz: float
     area_axial: float
     area_radial: float
+    du_r_ds: float
+    du_z_ds: float
+    d2u_r_ds2: float
+    d2u_z_ds2: float
     label: str
 
 
@@ -115,7 +121,7 @@ def _modes(observer: Observer, n: int, symmetry: str, below_hz: float) -> Iterat
 
 def _mode(observer: Observer, n: int, symmetry: str, frequency: float, shape: Real) -> WheelMode:
     """Return one row: what the observer reads off the shape, with its sign fixed."""
-    u = observer.value @ shape
+    u, tread, bend = (matrix @ shape for matrix in (observer.value, observer.tread, observer.tread_bend))
     angle = np.pi if n else 2 * np.pi
     share = 0.5 if n < 2 else 1.0
     factor = np.sqrt(share) * _sign(u)
@@ -123,6 +129,8 @@ def _mode(observer: Observer, n: int, symmetry: str, frequency: float, shape: Re
         n=n, symmetry=symmetry, frequency_hz=frequency,
         u_r=factor * u[RADIAL], u_theta=factor * u[TANGENTIAL], u_z=factor * u[AXIAL],
         du_theta_dz=factor * (observer.slope @ shape)[TANGENTIAL],
+        du_r_ds=factor * tread[RADIAL], du_z_ds=factor * tread[AXIAL],
+        d2u_r_ds2=factor * bend[RADIAL], d2u_z_ds2=factor * bend[AXIAL],
         area_axial=share * angle * float(shape @ (observer.axial @ shape)),
         area_radial=share * angle * float(shape @ (observer.radial @ shape)),
         label="rigid" if frequency == 0 else _label(observer, n, shape),
@@ -167,12 +175,11 @@ def _texts(mode: WheelMode) -> list[str]:
     """Return the texts of a row."""
     amplitude = max(abs(mode.u_r), abs(mode.u_theta), abs(mode.u_z))
     area = max(mode.area_axial, mode.area_radial)
-    size = {"u_r": amplitude, "u_theta": amplitude, "u_z": amplitude, "du_theta_dz": amplitude,
-            "area_axial": area, "area_radial": area}  # fmt: skip
+    size = {"area_axial": area, "area_radial": area}  # fmt: skip
     texts = []
     for name, value in zip((field.name for field in fields(WheelMode)), astuple(mode), strict=True):
         if isinstance(value, float):
-            texts.append(f"{value:.{_DIGITS}g}" if abs(value) > _NOISE * size.get(name, 0.0) else "0")
+            texts.append(f"{value:.{_DIGITS}g}" if abs(value) > _NOISE * size.get(name, amplitude) else "0")
         else:
             texts.append(str(value))
     return texts

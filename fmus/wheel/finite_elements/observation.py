@@ -18,6 +18,12 @@ from .mesh import SectionMesh
 
 Real = NDArray[np.float64]
 
+_ON_THE_TREAD = 1e-7
+"""Distance from the running profile within which an unknown belongs to it [m]."""
+
+TREAD = 0.025
+"""Half the width of the tread that the change of amplitudes is read from [m]."""
+
 _SMALL = 1e-3
 """Share of the largest u_z below which its sign does not count as that of a nodal circle's side."""
 
@@ -29,6 +35,7 @@ class Observer:
     Attributes
     ----------
     value, slope : (3, unknowns) amplitudes and their axial derivatives at the contact point
+    tread, tread_bend : (3, unknowns) first and second derivative of the amplitudes along the tread, by axial length
     axial, radial : (unknowns, unknowns) integrals of u_z^2 |n_z| and u_r^2 |n_r| over the wheel's section [m2 per pi]
     meridian : (points, unknowns) mean u_z across the web, from hub to rim
     body, axle : matrices of the whole and of the axle alone
@@ -36,6 +43,8 @@ class Observer:
 
     value: csr_matrix
     slope: csr_matrix
+    tread: csr_matrix
+    tread_bend: csr_matrix
     axial: csr_matrix
     radial: csr_matrix
     meridian: csr_matrix
@@ -77,7 +86,7 @@ def observe(body: Body, cut: SectionMesh) -> Observer:
     axle = np.setdiff1d(np.arange(cut.part.size), cut.wheel_elements)
     value, slope = _contact_rows(body, cut)
     return Observer(
-        value, slope, *_surface_forms(body, cut), _web_rows(body, cut),
+        value, slope, *_tread_rows(body, cut), *_surface_forms(body, cut), _web_rows(body, cut),
         body, make_body(cut.mesh, cut.section.material, axle),
     )  # fmt: skip
 
@@ -126,6 +135,26 @@ def _contact_rows(body: Body, cut: SectionMesh) -> tuple[csr_matrix, csr_matrix]
             value[:, dofs[element]] += np.asarray(function)[:, element, corner] / len(touching)
             slope[:, dofs[element]] += function.grad[:, 0, element, corner] / len(touching)
     return csr_matrix(value), csr_matrix(slope)
+
+
+def _tread_rows(body: Body, cut: SectionMesh) -> tuple[csr_matrix, csr_matrix]:
+    """Return the matrices to the first and second derivative along the tread, of the parabola that fits it best.
+
+    The parabola goes through the contact point; the fit is over `TREAD` to either side.
+    """
+    z, r = body.basis.doflocs
+    distance = z - cut.section.contact_position
+    near = (np.abs(distance) < TREAD + _ON_THE_TREAD) & (r > cut.section.rim_inner_radius)
+    near &= np.abs(r - cut.section.profile_radius(z)) < _ON_THE_TREAD
+    first, second = np.zeros((2, 3, body.basis.N))
+    for component in range(3):
+        own = np.flatnonzero(near & (body.component == component))
+        s = distance[own]
+        contact = own[np.abs(s).argmin()]
+        for rows, weights in zip((first, second), np.linalg.pinv(np.column_stack([s, s**2 / 2])), strict=True):
+            rows[component, own] = weights
+            rows[component, contact] -= weights.sum()
+    return csr_matrix(first), csr_matrix(second)
 
 
 def _web_rows(body: Body, cut: SectionMesh) -> csr_matrix:

@@ -1,34 +1,19 @@
-"""The command `rail measured`, and the options that say what a measured file holds: the same for rail and wheel."""
+"""The command `rail measured`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
 from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
+from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
 from .rail import write_rail
 
 if TYPE_CHECKING:
-    from fmus.measured.selection import Choice
     from fmus.rail.measured import RailFit
-
-Files = Annotated[list[Path], typer.Argument(help="Universal files (UFF), CSV or NumPy archives.")]
-Quantity = Annotated[
-    str | None, typer.Option(help="receptance, mobility or accelerance, where the file does not say it.")
-]
-Units = Annotated[
-    str | None, typer.Option(help="Unit (mm/s/N), or units of length and force (mm,N), where the file does not say it.")
-]
-Node = Annotated[int | None, typer.Option(help="Driving point, where a file has several.")]
-Axis = Annotated[
-    list[str] | None, typer.Option(help="Direction code of a universal file: 3=lat, or -1=lon. Repeatable.")
-]
-From = Annotated[float | None, typer.Option("--from", help="Lowest frequency that is used [Hz].")]
-To = Annotated[float | None, typer.Option("--to", help="Highest frequency that is used [Hz].")]
 
 
 def measured(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -64,29 +49,6 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
     print_used(fit.used.values())
     if out is not None:
         screen.print(str(out), highlight=False, markup=False, soft_wrap=True)
-
-
-def choice(
-    quantity: str | None,
-    units: str | None,
-    node: int | None,
-    axis: list[str] | None,
-    band: tuple[float | None, float | None],
-) -> Choice:
-    """Return what the options say about measured files."""
-    from fmus.measured.selection import Choice, read_axes  # noqa: PLC0415
-
-    return Choice(quantity, units, node, read_axes(axis or []), *band)
-
-
-def print_used(used: Iterable[Mapping[str, Any]]) -> None:
-    """Print what was taken from the files, a line per function."""
-    for row in used:
-        text = (
-            f"used: {row['direction']} as {row['quantity']}, {row['point']}, {row['set']}; {row['units']}; "
-            f"factor to SI {row['factor']:g}, sign {row['sign']:+g}; {row['from_hz']:g} to {row['to_hz']:g} Hz"
-        )
-        screen.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def _table(fit: RailFit, title: str) -> Table:

@@ -8,54 +8,85 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...errors import InputError
-from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
+from ..tools import Force, Json, notice, require_free, require_suffix, screen, user_mistakes
+from .measured_options import Axis, signed_axes
 
 if TYPE_CHECKING:
-    from fmus.wheel.imported import UffAxes
+    from fmus.modal.modes import Modes
 
 
-def build(
-    modes: Annotated[str, typer.Argument(metavar="MODES", help="class158, or modal data: .csv, .toml, .uff, .unv.")],
-    out: Annotated[Path, typer.Option(help="FMU to write.")] = Path("wheel-own.fmu"),
-    axes: Annotated[
-        str | None,
-        typer.Option(help="UFF only: node and axes of lon, lat, ver, spin, such as 12,+x,-y,-z,none."),
+def build(  # noqa: PLR0913, PLR0917 - one argument per option
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE...", help="class158, or modal data: CSV, TOML, UFF, .frd (one for each part)."),
+    ],
+    node: Annotated[int | None, typer.Option(help="Number of the node at the contact.")] = None,
+    axis: Axis = None,
+    units: Annotated[str | None, typer.Option(help="Units of length and force (mm,N), where files say none.")] = None,
+    damping: Annotated[
+        str | None, typer.Option(help="Damping ratios of n = 0, 1, 2 and more (1e-3,1e-2,1e-4), where files have none.")
     ] = None,
+    out: Annotated[Path, typer.Option(help="FMU (.fmu) or modal data (.toml) to write.")] = Path("wheel-own.fmu"),
     force: Force = False,
     json: Json = False,
 ) -> None:
     """Build a wheel FMU from modal data, for --replace wheel=FILE.fmu.
 
-    CSV and TOML are in the axes of the contract; UFF needs --axes.
+    CSV and TOML are in the axes of the contract; others need --node and --axis 1=lon --axis -2=lat --axis -3=ver.
     """
-    from fmus.modal.component import structure  # noqa: PLC0415
-    from fmus.packaging.build import build_fmu  # noqa: PLC0415
+    from fmus.wheel.class158 import class158  # noqa: PLC0415
+    from fmus.wheel.imported import ImportedWheel, ModalChoice, read_modes  # noqa: PLC0415
+
+    require_suffix(out, (".fmu", ".toml"))
+    require_free(out, force)
+    with user_mistakes():
+        if files == ["class158"]:
+            read = ImportedWheel(class158().modes)
+        else:
+            choice = ModalChoice(node, signed_axes(axis), units, _ratios(damping))
+            read = read_modes([Path(file) for file in files], choice)
+        name = Path(files[0]).stem
+        write_wheel(read.modes, out, name, f"modal data of {', '.join(Path(f).name for f in files)}")
+    if json:
+        screen.print_json(data={"file": str(out), "modes": len(read.modes), "notes": list(read.notes)})
+        return
+    for text in read.notes:
+        notice(text)
+    screen.print(f"{out}  ({len(read.modes)} modes)", highlight=False)
+
+
+def read_wheel(text: str) -> Modes:
+    """Return the modes of class158 or of a CSV or TOML file."""
     from fmus.wheel.class158 import class158  # noqa: PLC0415
     from fmus.wheel.imported import read_modes  # noqa: PLC0415
 
-    require_suffix(out, (".fmu",))
-    require_free(out, force)
-    with user_mistakes():
-        read = class158().modes if modes == "class158" else read_modes(Path(modes), _uff_axes(axes))
-        out.parent.mkdir(parents=True, exist_ok=True)
-        component = structure("wheel", f"Wheel at the contact point: {Path(modes).stem}", read)
-        build_fmu(component, out)
-    if json:
-        screen.print_json(data={"file": str(out), "modes": len(read)})
+    return class158().modes if text == "class158" else read_modes(Path(text)).modes
+
+
+def write_wheel(modes: Modes, path: Path, title: str, source: str) -> None:
+    """Write a wheel as an FMU or as modal data, by the suffix."""
+    from fmus.modal.component import structure  # noqa: PLC0415
+    from fmus.modal.data import ModalData, write_modal_data  # noqa: PLC0415
+    from fmus.packaging.build import build_fmu  # noqa: PLC0415
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".toml":
+        write_modal_data(path, ModalData(title, source, modes))
     else:
-        screen.print(f"{out}  ({len(read)} modes)", highlight=False)
+        build_fmu(structure("wheel", f"Wheel at the contact point: {title}", modes), path)
 
 
-def _uff_axes(text: str | None) -> UffAxes | None:
-    """Return the axes that an option such as '12,+x,-y,-z,none' names."""
-    from fmus.wheel.imported import UffAxes  # noqa: PLC0415 - loads the UFF library
-
+def _ratios(text: str | None) -> tuple[float, ...]:
+    """Return the damping ratios of a text such as '1e-3,1e-2,1e-4'."""
     if text is None:
-        return None
-    parts = [part.strip() for part in text.split(",")]
-    if len(parts) != 5 or not parts[0].isdigit():
-        raise InputError(f"--axes {text}: must be NODE,LON,LAT,VER,SPIN, such as 12,+x,-y,-z,none")
-    return UffAxes(int(parts[0]), *parts[1:])
+        return ()
+    try:
+        ratios = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        ratios = (-1.0,)
+    if not all(0 <= ratio < 1 for ratio in ratios):
+        raise InputError(f"--damping {text}: must be numbers from 0 to 1, such as 1e-3,1e-2,1e-4")
+    return ratios
 
 
 def figures(

@@ -23,6 +23,7 @@ def build(
     platforms: Annotated[
         str, typer.Option(help="Native FMUs: x86_64-linux,aarch64-linux,x86_64-windows,... Default: this one.")
     ] = "",
+    scalars: Annotated[bool, typer.Option("--scalars", help="FMI 3 without arrays, for hosts that know none.")] = False,
     json: Json = False,
 ) -> None:
     """Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."""
@@ -37,7 +38,7 @@ def build(
             screen.print(f"{path}  ({path.stat().st_size / 1000:.0f} kB)", highlight=False)
 
     try:
-        chosen = targets(flavour, fmi, [name for name in platforms.split(",") if name])
+        chosen = targets(flavour, fmi, [name for name in platforms.split(",") if name], scalars)
         for target in chosen:
             say(str(target))
             building.build(out / target.flavour if len(chosen) > 1 else out, target, report)

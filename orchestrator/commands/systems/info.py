@@ -85,6 +85,28 @@ def _variables(variables: list[dict[str, Any]]) -> Table:
     return table
 
 
+def _settable(variables: list[dict[str, Any]], title: str) -> Table:
+    """Return what can be set: a row per variable, and one per mode for all that a mode has."""
+    table = Table("name", "start", "unit", "range", "description", title=title, title_justify="left")
+    modes: dict[tuple[str, str], list[str]] = {}
+    for v in variables:
+        mode = re.search(r"of (mode \d+.*)$", v["description"])
+        number = re.search(r"_(\d+)$|(\[\d+\])$", v["name"])
+        if mode and number:
+            stem, end = v["name"][: number.start()], number.group()
+            modes.setdefault((f"{stem.partition('.')[0]}.*{end}", mode.group(1)), []).append(stem.partition(".")[2])
+            continue
+        low, high = v["minimum"], v["maximum"]
+        limits = (
+            "" if low is None and high is None else f"{'' if low is None else low} .. {'' if high is None else high}"
+        )
+        start = "" if v["start"] is None else str(v["start"])
+        table.add_row(*map(escape, (v["name"], start, v["unit"] or "", limits, v["description"])))
+    for (name, label), stems in modes.items():
+        table.add_row(escape(name), "", "", "", escape(f"{label}: {', '.join(stems)}"))
+    return table
+
+
 def _family(name: str) -> str:
     """Return the name of a numbered variable, or of an array's element, without its number."""
     return re.sub(r"_\d+$|\[[\d,]+\]$", "_*", name)
@@ -92,11 +114,19 @@ def _family(name: str) -> str:
 
 def info(
     file: Annotated[Path, typer.Argument(help="An .fmu, .ssp or .ssd file.")],
+    set_: Annotated[bool, typer.Option("--set", help="List what `run --set` can set instead.")] = False,
     json: Json = False,
 ) -> None:
     """Show what is inside an FMU or a system."""
-    from ...system.inspection import describe  # noqa: PLC0415 - keeps the start of the other commands short
+    from ...system.inspection import describe, settable_in  # noqa: PLC0415 - keeps the start of other commands short
 
+    if set_:
+        variables = settable_in(file)
+        if json:
+            screen.print_json(data=variables)
+        else:
+            screen.print(_settable(variables, f"what --set can set in {file.name}"))
+        return
     description = describe(file)
     if json:
         screen.print_json(data=description)

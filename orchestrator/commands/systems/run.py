@@ -19,6 +19,7 @@ from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
 from ...errors import SimulationError
 from ...runs import run as running
+from ...runs import treatments
 from ...runs.outcome import Outcome, as_json
 from ...runs.scenario import Scenario
 from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
@@ -38,6 +39,13 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
     values: Values = None,
     replace: Replace = None,
+    damp: Annotated[
+        list[str] | None,
+        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
+    ] = None,
+    rail: Annotated[
+        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
+    ] = None,
     seed: Seed = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
@@ -51,23 +59,30 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
     csv: Csv = False,
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
+    strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
     json: Json = False,
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
 
     Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
     """
+    sources, given = parse_sources(replace or []), parse_values(values or [])
+    if rail is not None:
+        sources["rail"] = treatments.rail_named(rail)
+    if damp:
+        given = treatments.damping_values(system, sources, given, damp)
     scenario = Scenario(
         system=system,
         duration=duration,
         step=step,
         algorithm=algorithm,
-        values=parse_values(values or []),
-        sources=parse_sources(replace or []),
+        values=given,
+        sources=sources,
         seed=seed,
         record_every=record_every,
         record=patterns(record),
         timeout=timeout if isolate else None,
+        strict=strict,
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:
@@ -98,6 +113,8 @@ def _tell(outcome: Outcome, json: bool) -> None:
     if outcome.progress.stopped:
         say(f"stopped; results up to then are in {outcome.results}")
         raise typer.Exit(130)
+    if outcome.progress.ended is not None:
+        notice(outcome.progress.ended)
 
 
 @contextmanager

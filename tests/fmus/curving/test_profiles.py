@@ -82,24 +82,25 @@ PAGE: dict[int, dict[str, tuple[Any, ...]]] = {
 def test_reference_bogie_on_real_profiles(tables: dict[int, ContactTable], inclination: int) -> None:
     """Tolerances: what the softness of the geometry (eps 0.02 against 0.01 mm) moves each of them, as the page says.
 
-    The flange's patch moves by a sixth or more with eps and is left out. Half as much again where the patch is narrow,
-    7.97 x 1.44 mm: there the other program's coefficients of Kalker, linear between rows, are 6 % too high.
+    The flange's patch moves by a sixth or more with eps and is left out. Three times as much on the trailing axle,
+    whose inner patch is narrow, 7.97 x 1.44 mm: there the other program's coefficients of Kalker, linear between
+    rows, are 6 % too high.
     """
     state = solved(balanced(150), tables[inclination])
     for place, (g1, g2, g6, load, angle, s, rail, a, b, k) in PAGE[inclination].items():
         w = state.place(1, place)
-        more = 1.5 if a is not None and a > 3 * b else 1.0
-        assert 1e3 * w.steady_creepage_lon == pytest.approx(g1, abs=0.2 * more)
-        assert 1e3 * w.steady_creepage_lat == pytest.approx(g2, abs=0.07 * more)
-        assert w.steady_creepage_spin == pytest.approx(g6, abs=5e-3)
-        assert w.normal_load / 1e3 == pytest.approx(load, abs=0.06 * more)
+        more = 3.0 if place.startswith("trailing") else 1.0
+        assert 1e3 * w.steady_creepage_lon == pytest.approx(g1, abs=0.1 * more)
+        assert 1e3 * w.steady_creepage_lat == pytest.approx(g2, abs=0.04 * more)
+        assert w.steady_creepage_spin == pytest.approx(g6, abs=5e-3 * more)
+        assert w.normal_load / 1e3 == pytest.approx(load, abs=0.03 * more)
         assert degrees(w.contact_angle) == pytest.approx(angle, abs=0.1 * more)
         assert 1e3 * w.wheel_position == pytest.approx(s, abs=0.05 * more)
         assert 1e3 * w.rail_position == pytest.approx(rail, abs=0.06 * more)
         if a is not None:
-            assert 1e3 * w.semi_axis_lon == pytest.approx(a, abs=0.02 * more)
-            assert 1e3 * w.semi_axis_lat == pytest.approx(b, abs=0.02 * more)
-            assert w.hertz_stiffness / 1e9 == pytest.approx(k, abs=0.004 * more)
+            assert 1e3 * w.semi_axis_lon == pytest.approx(a, abs=0.05)
+            assert 1e3 * w.semi_axis_lat == pytest.approx(b, abs=0.05)
+            assert w.hertz_stiffness / 1e9 == pytest.approx(k, abs=0.006)
 
 
 def test_gauge_is_measured_below_the_top() -> None:

@@ -10,8 +10,8 @@ from frf_files import MOBILITY, RECEPTANCE, F, write_csv, write_uff, write_varia
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fmus.measured.choice import Choice
 from fmus.measured.read import read_contents, read_measured
-from fmus.measured.selection import Choice
 from fmus.measured.units import UnitSystem, read_ratio, read_system
 
 HEAD = "frequency_hz,ver_real,ver_imag\n"

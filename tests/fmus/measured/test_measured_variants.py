@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from frf_files import MM_N, PLAIN, RECEPTANCE, SI, noisy, write_uff, write_variant
 
+from fmus.measured.choice import Choice, read_axes
 from fmus.measured.read import read_measured
-from fmus.measured.selection import Choice, read_axes
 
 SAME = {
     "csv-plain": Choice("mobility"),

@@ -144,5 +144,5 @@ def test_no_sequence_of_calls_crashes_and_reset_always_helps(subject: tuple[Path
     for method, references, numbers in calls:
         assert getattr(raw, method)(references, numbers) in (0, 3)
     for method in ("reset", "enter", "exit", "set_real", "step", "get_real"):
-        assert getattr(raw, method)([0], [0.0, 5e-6, 0.0, 0.0]) == 0
+        assert getattr(raw, method)([1], [0.0, 5e-6, 0.0, 0.0]) == 0
     raw.close()

@@ -230,12 +230,14 @@ def test_wheelset_frequencies_converge_from_above() -> None:
 
 def test_noise_is_written_as_zero(tmp_path: Path) -> None:
     """What the eigenvalue solution cannot tell from 0 does not reach the table; numbers have six digits."""
-    mode = WheelMode(2, "symmetric", 417.123456789, 1e-12, 0.0, -0.123456789, 0.5, 3e-3, 1e-15, "(2,0)")
+    mode = WheelMode(
+        2, "symmetric", 417.123456789, 1e-12, 0.0, -0.123456789, 0.5, 3e-3, 1e-15, 1e-9, 0.25, 0.0, 2.0, "(2,0)"
+    )
     path = tmp_path / "table.csv"
     write_table(path, [mode])
     header, row = path.read_text(encoding="utf-8").splitlines()
     assert header.split(",")[: len(COLUMNS)] == list(COLUMNS)
-    assert row == '2,symmetric,417.123,0,0,-0.123457,0.5,0.003,0,"(2,0)"'
+    assert row == '2,symmetric,417.123,0,0,-0.123457,0.5,0.003,0,0,0.25,0,2,"(2,0)"'
 
 
 def test_a_table_without_a_column_is_refused(tmp_path: Path) -> None:

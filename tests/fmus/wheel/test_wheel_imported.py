@@ -16,9 +16,9 @@ from fmus.interface import DIRECTIONS
 from fmus.modal.data import ModalData, write_modal_data
 from fmus.modal.modes import Modes
 from fmus.wheel.component import wheel
-from fmus.wheel.imported import CSV_COLUMNS, UffAxes, read_csv, read_modes, read_uff
+from fmus.wheel.imported import CSV_COLUMNS, ModalChoice, read_csv, read_modes, wheel_from_modes
 
-AXES = UffAxes(node=7, lon="+x", lat="-y", ver="-z", spin="-rz")
+AXES = ModalChoice(node=7, axes={1: "lon", -2: "lat", -3: "ver"})
 MODES = Modes(
     omega=2 * np.pi * np.array([417.1, 1104.0, 1104.0]),
     zeta=np.array([1e-4, 2e-4, 1e-4]),
@@ -71,10 +71,10 @@ def test_csv_toml_and_uff_give_the_same_modes(tmp_path: Path) -> None:
     write_modal_data(tmp_path / "wheel.toml", ModalData("a wheel", "made up", MODES))
     write_csv(tmp_path / "wheel.csv", MODES)
     write_uff(tmp_path / "wheel.uff", [units(), *(data_55(i) for i in range(3))])
-    assert_same(read_modes(tmp_path / "wheel.toml"), MODES, rtol=0)
-    assert_same(read_modes(tmp_path / "wheel.csv"), MODES, rtol=1e-15)
-    assert_same(read_modes(tmp_path / "wheel.uff", AXES), MODES, rtol=1e-5)
-    assert read_modes(tmp_path / "wheel.csv").labels == MODES.labels
+    assert_same(read_modes(tmp_path / "wheel.toml").modes, MODES, rtol=0)
+    assert_same(read_modes(tmp_path / "wheel.csv").modes, MODES, rtol=1e-15)
+    assert_same(read_modes(tmp_path / "wheel.uff", AXES).modes, MODES, rtol=1e-5)
+    assert read_modes(tmp_path / "wheel.csv").modes.labels == MODES.labels
 
 
 @settings(max_examples=25, deadline=None)
@@ -97,47 +97,96 @@ def test_imported_modes_make_a_wheel_component(tmp_path: Path) -> None:
 def test_uff_shapes_are_divided_by_the_root_of_the_modal_mass(tmp_path: Path) -> None:
     """A shape scaled by sqrt(m) with modal mass m is the same mode, to the six digits of the format."""
     path = write_uff(tmp_path / "wheel.unv", [units(), *(data_55(i, mass=0.25) for i in range(3))])
-    assert_same(read_uff(path, AXES), MODES, rtol=1e-5)
+    assert_same(read_modes(path, AXES).modes, MODES, rtol=1e-5)
 
 
 def test_uff_hysteretic_damping_counts_half(tmp_path: Path) -> None:
     """At resonance a loss factor eta damps like zeta = eta/2."""
     sets = [data_55(i, modal_damp_vis=0.0, modal_damp_his=0.02) for i in range(3)]
-    np.testing.assert_allclose(read_uff(write_uff(tmp_path / "wheel.uff", [units(), *sets]), AXES).zeta, 0.01)
+    np.testing.assert_allclose(read_modes(write_uff(tmp_path / "wheel.uff", [units(), *sets]), AXES).modes.zeta, 0.01)
 
 
-def test_uff_without_rotations_can_leave_spin_out(tmp_path: Path) -> None:
-    """Spin 'none' is a choice of the caller and gives a zero column."""
+def test_uff_without_rotations_says_that_spin_is_rigid(tmp_path: Path) -> None:
     sets = [{k: v for k, v in data_55(i, data_ch=2).items() if k not in {"r4", "r5", "r6"}} for i in range(3)]
-    path = write_uff(tmp_path / "wheel.uff", [units(), *sets])
-    modes = read_uff(path, UffAxes(7, "+x", "-y", "-z"))
-    np.testing.assert_allclose(modes.shape[:, :3], MODES.shape[:, :3], rtol=1e-5)
-    assert not modes.shape[:, 3].any()
-    with pytest.raises(ValueError, match=r"wheel.uff, mode 1: direction spin is missing: the data have no 'rz'"):
-        read_uff(path, AXES)
+    read = read_modes(write_uff(tmp_path / "wheel.uff", [units(), *sets]), AXES)
+    np.testing.assert_allclose(read.modes.shape[:, :3], MODES.shape[:, :3], rtol=1e-5)
+    assert not read.modes.shape[:, 3].any()
+    assert "the wheel is rigid in spin" in read.notes[0]
+
+
+def test_spin_is_the_rotation_of_nodes_nearby(tmp_path: Path) -> None:
+    """Rigid rotation by 2 about -z, ver's axis, and a translation, at nodes nearby: exact but for digits."""
+    offsets = np.array([[0, 0, 0], [0.02, 0, 0], [0, 0.03, 0], [0, 0, 0.02], [0.01, 0.02, -0.01], [-0.02, 0.01, 0.01]])
+    moved = np.cross([0, 0, -2.0], offsets) + np.array([0.1, 0.2, 0.3])
+    sets = [
+        units(),
+        {"type": 15, "node_nums": [7, 1, 2, 3, 4, 5], "def_cs": [0] * 6, "disp_cs": [0] * 6, "color": [0] * 6,
+         **dict(zip("xyz", (offsets + 1).T.tolist(), strict=True))},
+        data_55(0, data_ch=2, node_nums=np.array([7, 1, 2, 3, 4, 5]), r1=moved[:, 0], r2=moved[:, 1], r3=moved[:, 2],
+                r4=None, r5=None, r6=None),
+    ]  # fmt: skip
+    sets[2] = {k: v for k, v in sets[2].items() if v is not None}
+    read = read_modes(write_uff(tmp_path / "wheel.uff", sets), AXES)
+    np.testing.assert_allclose(read.modes.shape[0], [0.1, -0.2, -0.3, 2.0], rtol=1e-4)
+    assert "rotation of the nodes within 50 mm" in read.notes[0]
+
+
+def test_units_of_data_set_164_are_converted(tmp_path: Path) -> None:
+    """In mm and mN the unit of mass is 1 kg; rotations are per mm."""
+    changed = [data_55(i) for i in range(3)]
+    for data in changed:
+        data["r6"] = data["r6"] / 1000
+    si = write_uff(tmp_path / "si.uff", [units(), *(data_55(i) for i in range(3))])
+    mm = write_uff(tmp_path / "mm.uff", [units(units_code=5, length=1e3, force=1e3), *changed])
+    assert_same(read_modes(mm, AXES).modes, read_modes(si, AXES).modes, rtol=1e-5)
+
+
+def test_data_sets_2414_hold_the_same_modes(tmp_path: Path) -> None:
+    """Analysis data at nodes, real normal modes with six values, by pyuff."""
+    path = write_uff(tmp_path / "wheel.uff", [units()])
+    text = path.read_text()
+    for i in range(3):
+        text += text_2414(i + 1, data_55(i))
+    path.write_text(text)
+    assert_same(read_modes(path, AXES).modes, MODES, rtol=1e-5)
+
+
+def text_2414(number: int, mode: dict[str, Any]) -> str:
+    """Return a mode as data set 2414; pyuff writes it for frequency responses only."""
+    head = [f"{number:10d}", "modes", f"{1:10d}", *["NONE"] * 5, "".join(f"{x:10d}" for x in (1, 2, 3, 8, 2, 6))]
+    head += ["".join(f"{x:10d}" for x in (0, 0, 0, 0, 1, number, 0, 0)), f"{0:10d}{0:10d}"]
+    numbers = (0.0, mode["freq"], 0.0, mode["modal_m"], mode["modal_damp_vis"], 0.0)
+    head += ["".join(f"{x:13.5e}" for x in numbers), "".join(f"{0.0:13.5e}" for _ in range(6))]
+    body = []
+    for k, node in enumerate(mode["node_nums"]):
+        body += [f"{node:10d}", "".join(f"{float(mode[f'r{j}'][k]):13.5e}" for j in range(1, 7))]
+    return "\n".join(["    -1", "  2414", *head, *body, "    -1"]) + "\n"
 
 
 @pytest.mark.parametrize(
     ("sets", "message"),
     [
-        ([data_55(0)], r"data set 164 \(units\) is missing; must say SI"),
-        ([units(units_code=5, length=1e3, force=1e3), data_55(0)], "units are code 5 with 1000 per metre and 1000 per"),
-        ([units(length=1e3), data_55(0)], "units are code 1 with 1000 per metre"),
-        ([units()], "there is no data set 55 in it"),
+        ([data_55(0)], r"has no data set 164 \(units\); give them with the option units"),
+        (
+            [units(length=1e3), data_55(0)],
+            "units code 1 means 1 per metre and 1 per newton, the factors are 1000 and 1",
+        ),
+        ([units()], "there is no data set 55 or 2414 in it; holds data sets 164"),
         ([units(), data_55(0, modal_damp_vis=-0.01)], "mode 1: zeta = -0.01; must be finite and >= 0"),
-        ([units(), data_55(0, freq=-1.0)], "mode 1: omega = -6.28319; must be finite and >= 0"),
-        ([units(), data_55(1), data_55(0)], "mode 2 has 417.1 Hz after 1104 Hz; must be in rising order"),
         ([units(), data_55(0, modal_m=0.0)], "mode 1: modal mass is 0; must be > 0"),
-        ([units(), data_55(0, spec_data_type=12)], "mode 1: data type is 12; must be 8, displacement"),
-        ([units(), data_55(0, node_nums=np.array([3, 8]))], "mode 1: node 7 is not in it"),
+        ([units(), data_55(0, spec_data_type=12)], r"data set 2 \(line 7\): data type is 12; must be 8, displacement"),
+        ([units(), data_55(0, node_nums=np.array([3, 8]))], "node 7 is not in it; has 3 to 8"),
         ([units(), data_55(0, r2=np.array([9.0, 0.0]))], "direction lon is missing: no mode moves in it"),
-        ([units(), data_55(0, analysis_type=5, freq_step_n=1)], "mode 1: analysis type is 5; must be 2"),
+        (
+            [units(), data_55(0, analysis_type=5, freq_step_n=1)],
+            r"data set 2 \(line 7\): analysis type is 5; must be 2",
+        ),
     ],
 )
 def test_bad_uff_is_refused(tmp_path: Path, sets: list[dict[str, Any]], message: str) -> None:
-    """One sentence with the file, the mode, the quantity, what was wanted and what came."""
+    """One sentence with the file, the data set, the quantity, what was wanted and what came."""
     with pytest.raises(ValueError, match=f"wheel.uff.*{message}"):
-        read_uff(write_uff(tmp_path / "wheel.uff", sets), AXES)
+        read_modes(write_uff(tmp_path / "wheel.uff", sets), AXES)
 
 
 HEADER = ",".join(CSV_COLUMNS)
@@ -176,31 +225,21 @@ def test_bad_toml_is_refused(tmp_path: Path) -> None:
         read_modes(path)
 
 
-@pytest.mark.parametrize(
-    ("axes", "message"),
-    [
-        ({"lat": "+x"}, "lon and lat are both 'x'; must differ"),
-        ({"lat": "y"}, r"lat = 'y'; must be '\+' or '-' and one of x, y, z"),
-        ({"ver": "+rz"}, r"ver = '\+rz'; must be"),
-        ({"spin": "+z"}, r"spin = '\+z'; must be '\+' or '-' and one of rx, ry, rz"),
-        ({"spin": ""}, "spin = ''; must be"),
-    ],
-)
-def test_bad_axes_are_refused(axes: dict[str, str], message: str) -> None:
-    with pytest.raises(ValueError, match=f"axes: {message}"):
-        UffAxes(**{"node": 7, "lon": "+x", "lat": "-y", "ver": "-z", **axes})  # type: ignore[arg-type]
-
-
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"suffix '.xlsx' is unknown; must be .csv, .toml, .uff"):
-        read_modes(tmp_path / "wheel.xlsx")
-    with pytest.raises(ValueError, match="a UFF file needs the contact node and its axes"):
-        read_modes(tmp_path / "wheel.uff")
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(ValueError, match=r"wheel.uff: no such file"):
         read_modes(tmp_path / "wheel.uff", AXES)
     (tmp_path / "wheel.uff").write_text("    -1\n    55\nnonsense\n    -1\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"wheel.uff: not a readable UFF file"):
+    with pytest.raises(ValueError, match=r"wheel.uff, data set 1 \(line 1\): is not a readable data set 55"):
         read_modes(tmp_path / "wheel.uff", AXES)
+    write_csv(tmp_path / "wheel.csv", MODES)
+    with pytest.raises(ValueError, match=r"wheel.csv: only universal files and .frd can be parts of one wheelset"):
+        read_modes([tmp_path / "wheel.csv"] * 2, AXES)
+
+
+def test_arrays_make_a_wheel() -> None:
+    assert_same(wheel_from_modes(MODES.omega / (2 * np.pi), MODES.zeta, MODES.shape), MODES, rtol=1e-15)
+    with pytest.raises(ValueError, match="modes: mode 2 has 1 Hz after 2 Hz; must be in rising order"):
+        wheel_from_modes([2.0, 1.0], [0.0, 0.0], np.zeros((2, 4)))
 
 
 def test_directions_of_the_contract_are_the_columns() -> None:

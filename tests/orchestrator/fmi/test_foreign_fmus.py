@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,7 +17,6 @@ from coupled import modes_of, rail_of
 from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from toy_fmus import toy_fmu, toy_ssd
 
 from fmus.cases import read_cases
 from fmus.interface import DIRECTIONS, connections
@@ -135,9 +135,14 @@ def test_iteration_needs_the_state(folder: Path) -> None:
     np.testing.assert_array_equal(state, same)
 
 
+def with_own_step(system: System, name: str, step: float) -> System:
+    """Return the system with a step of its own for a component, as an annotation gives it."""
+    return replace(system, elements={**system.elements, name: replace(system.elements[name], step=step)})
+
+
 def test_component_with_a_longer_step_of_its_own(folder: Path) -> None:
     """One mass steps by 0.04 s among others of 0.01 s: its outputs stay in between, and the whole still converges."""
-    system = two_masses(folder, one="one_slow")
+    system = with_own_step(two_masses(folder), "one", 0.04)
     with Master(assemble(system), Settings(0.01, 0.12)) as master:
         assert master.notices == ["one makes one step of 0.04 s in 4 communication steps"]
         seen = []
@@ -146,20 +151,34 @@ def test_component_with_a_longer_step_of_its_own(folder: Path) -> None:
             seen.append(master.plan.y[master.outputs.index(("one", "y[1]"))])
     assert [len(set(seen[4 * k + 3 : 4 * k + 7])) for k in range(2)] == [1, 1]
     assert len(set(seen)) == 4  # the start, and three steps
-    coarse, _ = end_state(system, Settings(0.04, 4.0))
+    coarse, _ = end_state(two_masses(folder), Settings(0.04, 4.0))
     mixed, _ = end_state(system, Settings(0.01, 4.0))
     assert abs(mixed - exact(4.0)).max() < abs(coarse - exact(4.0)).max()
 
 
 def test_steps_that_do_not_fit_are_refused(folder: Path) -> None:
-    system = two_masses(folder, one="one_slow")
+    """Neither a step that is no multiple, nor a run at whose end a slow component has not arrived."""
+    system = with_own_step(two_masses(folder), "one", 0.04)
     with pytest.raises(
-        InputError, match=r"one_slow.fmu steps by 0.04 s and no other way; the communication step of 0.03"
+        InputError, match=r"one: the system has it step by 0.04 s, no whole multiple of .* step of 0.03"
     ):
         Master(assemble(system), Settings(0.03, 1.0))
+    with pytest.raises(
+        InputError, match=r"one makes one step in 4 communication steps, and the run has 6: it would not"
+    ):
+        Master(assemble(system), Settings(0.01, 0.06))
     with pytest.raises(InputError, match=r"iterative: one .* steps more slowly than the others"):
         Master(assemble(system), Settings(0.02, 1.0, "iterative"))
-    end_state(system, Settings(0.08, 0.8))  # a whole multiple of its step is its own business
+
+
+def test_an_inner_step_is_advice(folder: Path) -> None:
+    """FMI 3.0 fixedInternalStepSize: the FMU steps with the others all the same; that it does not fit is told."""
+    system = two_masses(folder, one="one_slow")
+    for step, told in ((0.02, 1), (0.08, 0)):
+        with Master(assemble(system), Settings(step, 0.8)) as master:
+            assert sum("steps inside by 0.04 s" in notice for notice in master.notices) == told
+        found, plain = (end_state(s, Settings(step, 0.8))[0] for s in (system, two_masses(folder)))
+        np.testing.assert_array_equal(found, plain)
 
 
 @pytest.mark.parametrize(("value", "message"), [("1", "wants 2 values, got 1"), ("1 x", "must be a number")])
@@ -264,7 +283,6 @@ def test_mobility_is_probed_by_rollback_and_without(array_rail: System, built: P
         (2, r"one: doStep returned error at t = 0.02 s: fault on demand"),
         (3, r"one: doStep returned fatal at t = 0.02 s: fault on demand"),
         (4, r"one: output y\[1\] = nan at t = 0.02 s: not a finite number"),
-        (5, r"one: asks to end the simulation at t = 0.02 s: fault on demand"),
     ],
 )
 def test_faults_of_an_fmi_3_component(folder: Path, number: int, message: str, tmp_path: Path) -> None:
@@ -278,7 +296,21 @@ def test_faults_of_an_fmi_3_component(folder: Path, number: int, message: str, t
     ):
         master.run(results)
     with open_results(path) as data:
-        assert data.sizes["time"] == 2
+        assert data.sizes["time"] == 3
+
+
+def test_a_component_may_end_the_run(folder: Path, tmp_path: Path) -> None:
+    """FMI 3.0 terminateSimulation with the third step: that step counts and is the last row; no error."""
+    system = two_masses(folder).with_parameters({"one": {"fault": 5, "fault_step": 3}})
+    path = tmp_path / "r.nc"
+    with (
+        Master(assemble(system), Settings(0.01, 0.1, record_every=2)) as master,
+        ResultsFile(path, master.signals(), {}) as results,
+    ):
+        progress = master.run(results)
+    assert progress.ended == "one ended the simulation at t = 0.03 s: fault on demand"
+    with open_results(path) as data:
+        assert data["time"].to_numpy() == pytest.approx([0.0, 0.02, 0.03], rel=1e-12)
 
 
 def test_a_fault_on_the_command_line(folder: Path, tmp_path: Path) -> None:
@@ -292,7 +324,7 @@ def test_a_fault_on_the_command_line(folder: Path, tmp_path: Path) -> None:
     data = json.loads(done.stdout)
     assert data["completed"] is False
     with open_results(Path(data["results"])) as results:
-        assert results.sizes["time"] == 5
+        assert results.sizes["time"] == 6
 
 
 MINIMAL = """<?xml version="1.0" encoding="UTF-8"?>
@@ -324,23 +356,6 @@ def test_other_kinds_of_fmus_are_refused(
         archive.writestr("modelDescription.xml", text)
     with pytest.raises(InputError, match=re.escape(message)):
         open_fmu(file)
-
-
-def test_fixed_step_of_an_fmi_2_component(tmp_path: Path) -> None:
-    """canHandleVariableCommunicationStepSize=false with a step in the default experiment: it is kept to."""
-    fast, slow = (toy_fmu(tmp_path, name, "self.y = float(self.steps)") for name in ("Fast", "Slow"))
-    with zipfile.ZipFile(slow) as archive:
-        content = {name: archive.read(name) for name in archive.namelist()}
-    xml = content["modelDescription.xml"].decode()
-    xml = xml.replace('canHandleVariableCommunicationStepSize="true"', 'canHandleVariableCommunicationStepSize="false"')
-    xml = xml.replace("<ModelVariables>", '<DefaultExperiment stepSize="0.003"/><ModelVariables>')
-    content["modelDescription.xml"] = xml.encode()
-    with zipfile.ZipFile(slow, "w") as archive:
-        for name, data in content.items():
-            archive.writestr(name, data)
-    with Master(assemble(read_system(toy_ssd(tmp_path, fast, slow))), Settings(0.001, 0.009, "jacobi")) as master:
-        master.run()
-        assert dict(zip(master.outputs, master.plan.y, strict=True)) == {("a", "y"): 9.0, ("b", "y"): 3.0}
 
 
 def test_state_goes_through_bytes(folder: Path) -> None:

@@ -15,7 +15,7 @@ from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
 
 from orchestrator.coupling.master import Progress
 from orchestrator.errors import InputError
-from orchestrator.results.file import ResultsFile
+from orchestrator.results.file import Column, ResultsFile
 from orchestrator.runs.checkpoint import read_checkpoint
 from orchestrator.runs.run import Keeping, Report, resume, run_scenario
 from orchestrator.runs.scenario import Scenario
@@ -127,7 +127,7 @@ def test_a_checkpoint_without_its_results_is_refused(tmp_path: Path) -> None:
     outcome = run_scenario(Scenario("case4", duration=0.001), tmp_path, QUIET, Keeping(tmp_path / "c"))
     data = outcome.results.read_bytes()
     outcome.results.write_bytes(data[:-100])
-    with pytest.raises(InputError, match="does not hold the 50 rows that the checkpoint goes on from"):
+    with pytest.raises(InputError, match="does not hold the 51 rows that the checkpoint goes on from"):
         resume(tmp_path / "c", QUIET)
     outcome.results.unlink()
     with pytest.raises(InputError, match="cannot go on with these results: No such file"):
@@ -144,13 +144,16 @@ def test_another_fmu_in_a_place_is_refused(tmp_path: Path, built: Path) -> None:
         resume(tmp_path / "c", QUIET)
 
 
+COLUMNS = [Column("a", "m", ""), Column("b", "m", "")]
+
+
 def test_reopened_results_drop_what_came_after(tmp_path: Path) -> None:
     path = tmp_path / "r.nc"
-    with ResultsFile(path, [("a", "m", ""), ("b", "m", "")], {}) as file:
+    with ResultsFile(path, COLUMNS, {}) as file:
         file.append(np.arange(3.0), np.ones((3, 2)))
         before = path.read_bytes()
         file.append(np.arange(3.0), np.zeros((3, 2)))
         header = file.header
-    with ResultsFile.reopen(path, 2, header, 3):
+    with ResultsFile.reopen(path, COLUMNS, header, 3):
         pass
     assert path.read_bytes() == before

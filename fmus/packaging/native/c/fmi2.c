@@ -252,3 +252,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2S
     ENTER("fmi2GetStringStatus", ANY)
     return (fmi2Status)say(instance, DISCARD, "steps are never pending");
 }
+
+#ifndef NATIVE_KERNELS
+#include "kernels.c"
+#endif

@@ -388,3 +388,7 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clock, 
     (void)clock, (void)time;
     REFUSE("fmi3ActivateModelPartition", "this FMU is for co-simulation only")
 }
+
+#ifndef NATIVE_KERNELS
+#include "kernels.c"
+#endif

@@ -1,7 +1,8 @@
 /* What both FMI versions share: an instance, its variables, the checks of what is set, and calls of the kernels.
 
-   component.h is generated for each component: tables of its variables and the sizes of its memory. The kernels are
-   compiled from their Python source. Included by fmi2.c and fmi3.c, which give `emit` its meaning. */
+   component.h is generated for each component: tables of its variables and the sizes of its memory. The kernels come
+   from their Python source: as an object file (NATIVE_KERNELS), or translated to C in kernels.c, which fmi2.c and fmi3.c
+   include at their end. They also give `emit` its meaning. */
 
 #include <float.h>
 #include <math.h>
@@ -25,18 +26,30 @@ typedef struct {
 
 #include "component.h"
 
+#ifdef NATIVE_KERNELS
+#define KERNEL
+#else
+#define KERNEL static
+#endif
+
 /* The kernels: memory holds parameters, derived, state, inputs and outputs, one after the other. */
-int32_t curvesqueal_initialise(void **result, void **error, double *memory);
-int32_t curvesqueal_do_step(void **result, void **error, double *memory, double step);
-int32_t curvesqueal_differentiate(void **result, void **error, double *memory, double step, double *seed,
-                                  double *sensitivity);
+KERNEL int32_t curvesqueal_initialise(void **result, void **error, double *memory);
+KERNEL int32_t curvesqueal_do_step(void **result, void **error, double *memory, double step);
+#if HAS_DERIVATIVES
+KERNEL int32_t curvesqueal_differentiate(void **result, void **error, double *memory, double step, double *seed,
+                                         double *sensitivity);
+#endif
+
+/* Variables FIRST(r) to BEYOND(r) - 1 have the value reference r. */
+#define FIRST(reference) first_variable[(reference) - FIRST_REFERENCE]
+#define BEYOND(reference) first_variable[(reference) - FIRST_REFERENCE + 1]
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status;
 
 /* Bits, so that a set of phases is a mask. FAILED: a call returned an error; only reading, reset or a kept state help. */
 typedef enum { INSTANTIATED = 1, INITIALISING = 2, STEPPING = 4, TERMINATED = 8, FAILED = 16 } Phase;
 
-/* Everything that the future depends on. The place after the kernels' memory is the time. */
+/* Everything that the future depends on. The place after the kernels' memory is the time that the last step reached. */
 typedef struct {
     double memory[MEMORY_SIZE + 1];
     double last_step;
@@ -165,12 +178,12 @@ static Status refuse_kind(Instance *instance, const Variable *variable) {
 
 /* Return whether a value reference exists and is of the kind; say so if it is not. */
 static inline bool known(Instance *instance, uint32_t reference, Kind kind) {
-    if (reference >= N_REFERENCES) {
+    if ((uint32_t)(reference - FIRST_REFERENCE) >= N_REFERENCES) {
         say(instance, ERROR, "there is no variable with value reference %lu", (unsigned long)reference);
         return false;
     }
-    if (variables[first_variable[reference]].kind != kind) {
-        refuse_kind(instance, &variables[first_variable[reference]]);
+    if (variables[FIRST(reference)].kind != kind) {
+        refuse_kind(instance, &variables[FIRST(reference)]);
         return false;
     }
     return true;
@@ -204,7 +217,7 @@ static inline Status set_values(Instance *instance, Kind kind, Form form, const 
         if (!known(instance, references[r], kind)) {
             return ERROR;
         }
-        for (uint32_t i = first_variable[references[r]]; i < first_variable[references[r] + 1]; i++, k++) {
+        for (uint32_t i = FIRST(references[r]); i < BEYOND(references[r]); i++, k++) {
             if (k >= n_values) {
                 return say(instance, ERROR, "%s: %zu values are too few", variables[i].name, n_values);
             }
@@ -220,7 +233,7 @@ static inline Status set_values(Instance *instance, Kind kind, Form form, const 
     }
     k = 0;
     for (size_t r = 0; r < count; r++) {
-        for (uint32_t i = first_variable[references[r]]; i < first_variable[references[r] + 1]; i++, k++) {
+        for (uint32_t i = FIRST(references[r]); i < BEYOND(references[r]); i++, k++) {
             instance->state.memory[variables[i].place] = read_value(form, values, k);
         }
     }
@@ -244,7 +257,7 @@ static inline Status get_values(Instance *instance, Kind kind, Form form, const 
         if (!known(instance, references[r], kind)) {
             return ERROR;
         }
-        for (uint32_t i = first_variable[references[r]]; i < first_variable[references[r] + 1]; i++, k++) {
+        for (uint32_t i = FIRST(references[r]); i < BEYOND(references[r]); i++, k++) {
             if (k >= n_values) {
                 return say(instance, ERROR, "%s: room for %zu values is too little", variables[i].name, n_values);
             }
@@ -263,18 +276,21 @@ static Status start_stepping(Instance *instance) {
     return OK;
 }
 
-/* Advance by one step; the inputs are held. */
+/* Advance by one step; the inputs are held. After an error the time stays that of the last step that succeeded. */
 static Status step(Instance *instance, double time, double h) {
     void *result = NULL, *error = NULL;
+    double *reached = &instance->state.memory[MEMORY_SIZE];
     if (!(h > 0.0) || !isfinite(h)) {
         return say(instance, ERROR, "step size = %g s: must be > 0 and finite", h);
     }
     if (!isfinite(time)) {
         return say(instance, ERROR, "time = %g s: must be finite", time);
     }
+    if (time < *reached - 0.01 * h - 1e-12 * fabs(*reached)) { /* hosts round differently */
+        return say(instance, ERROR, "time = %.12g s: must not be before %.12g s, which is reached; a kept state leads back",
+                   time, *reached);
+    }
     curvesqueal_do_step(&result, &error, instance->state.memory, h);
-    instance->state.last_step = h;
-    instance->state.memory[MEMORY_SIZE] = time + h;
     double sum = 0.0;
     for (size_t i = 0; i < N_OUTPUTS; i++) {
         sum += instance->state.memory[OUTPUTS_PLACE + i];
@@ -282,6 +298,8 @@ static Status step(Instance *instance, double time, double h) {
     if (!isfinite(sum)) {
         return say(instance, ERROR, "the outputs at %.9g s are not finite; an input or parameter is too large", time + h);
     }
+    instance->state.last_step = h;
+    *reached = time + h;
     return OK;
 }
 
@@ -304,7 +322,7 @@ static Status differentiate(Instance *instance, const uint32_t unknowns[], size_
         if (!known(instance, knowns[i], REAL)) {
             return ERROR;
         }
-        const Variable *v = &variables[first_variable[knowns[i]]];
+        const Variable *v = &variables[FIRST(knowns[i])];
         if (v->causality != INPUT) {
             return say(instance, ERROR, "%s is no input; there is no derivative with respect to it", v->name);
         }
@@ -319,7 +337,7 @@ static Status differentiate(Instance *instance, const uint32_t unknowns[], size_
         if (!known(instance, unknowns[i], REAL)) {
             return ERROR;
         }
-        const Variable *v = &variables[first_variable[unknowns[i]]];
+        const Variable *v = &variables[FIRST(unknowns[i])];
         if (v->causality != OUTPUT) {
             return say(instance, ERROR, "%s is no output; it has no derivative", v->name);
         }
@@ -329,8 +347,8 @@ static Status differentiate(Instance *instance, const uint32_t unknowns[], size_
 #endif
 }
 
-/* A kept state is a copy of `State`; as bytes it carries the token of the FMU in front. */
-#define SERIALIZED_SIZE (sizeof TOKEN + sizeof(State))
+/* A kept state is a copy of `State`; as bytes it carries the token of the FMU in front and a checksum behind. */
+#define SERIALIZED_SIZE (sizeof TOKEN + sizeof(State) + sizeof(uint64_t))
 
 static Status keep(Instance *instance, const State *state, void **kept) {
     if (kept == NULL) {
@@ -354,27 +372,61 @@ static Status restore_state(Instance *instance, const void *kept) {
     return OK;
 }
 
+/* FNV-1a, 64 bits. */
+static uint64_t checksum(const char bytes[], size_t size) {
+    uint64_t sum = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ (unsigned char)bytes[i]) * UINT64_C(1099511628211);
+    }
+    return sum;
+}
+
 static Status state_to_bytes(Instance *instance, const void *kept, char bytes[], size_t size) {
     if (kept == NULL || bytes == NULL || size < SERIALIZED_SIZE) {
         return say(instance, ERROR, "a state of %zu bytes is wanted, with room for them", SERIALIZED_SIZE);
     }
     memcpy(bytes, TOKEN, sizeof TOKEN);
     memcpy(bytes + sizeof TOKEN, kept, sizeof(State));
+    uint64_t sum = checksum(bytes, sizeof TOKEN + sizeof(State));
+    memcpy(bytes + sizeof TOKEN + sizeof(State), &sum, sizeof sum);
     return OK;
 }
 
+/* Return the name of what no state can have; NULL if there is nothing. */
+static const char *impossible(const State *state) {
+    int32_t phase = state->phase;
+    if (phase != INSTANTIATED && phase != INITIALISING && phase != STEPPING && phase != TERMINATED && phase != FAILED) {
+        return "phase";
+    }
+    if ((state->stale != 0 && state->stale != 1) || !(state->last_step >= 0.0) || !isfinite(state->last_step) ||
+        !isfinite(state->memory[MEMORY_SIZE])) {
+        return "time";
+    }
+    for (size_t i = 0; i < N_VARIABLES; i++) {
+        const Variable *v = &variables[i];
+        double value = state->memory[v->place];
+        if ((v->causality == PARAMETER || v->causality == INPUT) &&
+            !(isfinite(value) && value >= v->minimum && value <= v->maximum)) {
+            return v->name;
+        }
+    }
+    return NULL;
+}
+
 static Status state_from_bytes(Instance *instance, const char bytes[], size_t size, void **kept) {
+    State state;
+    uint64_t sum;
     if (bytes == NULL || kept == NULL || size != SERIALIZED_SIZE || memcmp(bytes, TOKEN, sizeof TOKEN) != 0) {
         return say(instance, ERROR, "these %zu bytes are no state of this FMU", size);
     }
-    State state;
+    memcpy(&sum, bytes + sizeof TOKEN + sizeof(State), sizeof sum);
+    if (sum != checksum(bytes, sizeof TOKEN + sizeof(State))) {
+        return say(instance, ERROR, "these bytes are a damaged state: the checksum is wrong");
+    }
     memcpy(&state, bytes + sizeof TOKEN, sizeof(State));
-    for (size_t i = 0; i < N_VARIABLES; i++) {
-        const Variable *v = &variables[i];
-        double value = state.memory[v->place];
-        if (v->causality == PARAMETER && !(value >= v->minimum && value <= v->maximum)) {
-            return say(instance, ERROR, "these bytes are no state: %s = %g there", v->name, value);
-        }
+    const char *wrong = impossible(&state);
+    if (wrong != NULL) {
+        return say(instance, ERROR, "these bytes are no state: %s is impossible there", wrong);
     }
     return keep(instance, &state, kept);
 }

@@ -1,0 +1,124 @@
+"""Eigenmodes in CalculiX results (.frd, text): mass-normalised shapes and coordinates in SI out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DataError
+from .function import Real
+from .nodal import NodalModes
+from .tables import read_text
+from .units import UnitSystem
+
+_NODES, _RESULTS = "    2C", "  100C"
+
+
+def is_frd(head: bytes) -> bool:
+    """Return whether a file that begins so is one of CalculiX' results."""
+    return head.startswith(b"    1C") or head.startswith(b"    1U")
+
+
+def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
+    """Return the eigenmodes of a file.
+
+    Parameters
+    ----------
+    units : what the deck was written in; the file does not say it
+
+    Raises
+    ------
+    DataError
+        For a file without modes, in a binary form, or cut off, with its line.
+    """
+    if units is None:
+        raise DataError(f"{path.name}: does not say its units; give them with the option units, such as m,N or mm,N")
+    reader = _Reader(path.name)
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        reader.take(line, number)
+    if reader.block:
+        raise DataError(f"{path.name}: ends within a block of {reader.block}; the file is cut off")
+    return _modes(path, reader.position, reader.modes, units)
+
+
+class _Reader:
+    """What has been read of a file, line by line.
+
+    Attributes
+    ----------
+    position : coordinates by node
+    modes : frequency, generalised mass and displacements by node of each mode
+    block : what the lines with values belong to, '' where they are passed over
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.position: dict[int, Real] = {}
+        self.modes: list[tuple[float, float, dict[int, Real]]] = []
+        self.block = ""
+        self._mass = 1.0
+        self._frequency_hz = 0.0
+
+    def take(self, line: str, number: int) -> None:
+        """Take the next line."""
+        where = f"{self.name}, line {number}"
+        if line.startswith(" -1"):
+            if self.block in {"nodes", "displacements"}:
+                node, values = _values(line, where)
+                (self.position if self.block == "nodes" else self.modes[-1][2])[node] = values
+        elif line.startswith(" -3"):
+            self.block = ""
+        elif line.startswith(" -4"):
+            wanted = self.block == "results" and line[5:13].strip() == "DISP"
+            self.block = "displacements" if wanted else ""
+            if wanted:
+                self.modes.append((self._frequency_hz, self._mass, {}))
+        elif line.startswith("    1PGM"):
+            self._mass = float(line[8:].split(maxsplit=1)[0])
+        elif line.startswith(_NODES):
+            self.block = _ascii("nodes", line, where)
+        elif line.startswith(_RESULTS):
+            self.block = _ascii("results" if "MODAL" in line[58:] else "", line, where)
+            self._frequency_hz = float(line[12:24])
+
+
+def _ascii(block: str, line: str, where: str) -> str:
+    """Return the name of a block whose format, the last number of its line, is text."""
+    if line.rstrip()[-1:] in {"2", "3"}:
+        raise DataError(f"{where}: the block is binary; write the results as text (*NODE FILE, not OUTPUT=BINARY)")
+    return block
+
+
+def _values(line: str, where: str) -> tuple[int, Real]:
+    """Return node and three values of a line, of either width of node numbers."""
+    start = 13 if len(line.rstrip()) >= 13 + 36 - 1 else 8
+    try:
+        return int(line[3:start]), np.array([float(line[start + 12 * i : start + 12 * (i + 1)]) for i in range(3)])
+    except ValueError:
+        raise DataError(f"{where}: must be a node and three numbers; got {line.strip()!r}") from None
+
+
+def _modes(
+    path: Path, position: dict[int, Real], modes: list[tuple[float, float, dict[int, Real]]], units: UnitSystem
+) -> NodalModes:
+    """Return the modes over the nodes that all of them have, in SI."""
+    if not modes:
+        raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
+    nodes = sorted(modes[0][2])
+    for i, (_, mass, values) in enumerate(modes, start=1):
+        if sorted(values) != nodes:
+            raise DataError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
+        if not mass > 0:
+            raise DataError(f"{path.name}, mode {i}: generalised mass is {mass:g}; must be > 0")
+    kilograms = units.length / units.force  # in the deck's unit of mass
+    shape = np.array([[values[node] / np.sqrt(mass * kilograms) for node in nodes] for _, mass, values in modes])
+    return NodalModes(
+        where=path.name,
+        frequency_hz=np.array([frequency for frequency, _, _ in modes]),
+        damping_ratio=np.full(len(modes), np.nan),
+        nodes=np.array(nodes, dtype=np.int64),
+        shape=shape,
+        position={node: xyz / units.length for node, xyz in position.items()},
+        labels=tuple(f"mode {i}" for i in range(1, len(modes) + 1)),
+    )

@@ -1,0 +1,119 @@
+"""The command `curvesqueal cycle`: a system in, its tones with level and fate out."""
+
+from __future__ import annotations
+
+import json as json_format
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from rich.table import Table
+
+from ...errors import InputError
+from ...runs.scenario import Scenario
+from ..tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
+
+if TYPE_CHECKING:
+    from ...limit_cycles.catalogue import Catalogue, Cycle
+
+
+def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
+    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    values: Values = None,
+    replace: Replace = None,
+    tone: Annotated[float | None, typer.Option(help="Only the tone near this frequency [Hz].")] = None,
+    no_stability: Annotated[bool, typer.Option("--no-stability", help="Do not ask whether the tones last.")] = False,
+    down_to: Annotated[
+        float, typer.Option(help="Follow stable poles, too, down to this growth rate [1/s]; all tones need -60.")
+    ] = -1.0,
+    out: Annotated[Path | None, typer.Option(help="Picture to write: of all tones, or of the one of --tone.")] = None,
+    json: Json = False,
+) -> None:
+    """Find every tone that a system can squeal at, its level, and whether it lasts, without time stepping.
+
+    Limit cycles by harmonic balance, followed from the poles; stability by the exponents of perturbations.
+    """
+    from ...limit_cycles.described import as_json  # noqa: PLC0415 - loads scipy
+    from ...limit_cycles.search import cycles_of  # noqa: PLC0415
+
+    if out is not None:
+        require_suffix(out, (".png", ".pdf", ".svg"))
+    scenario = Scenario(system, values=parse_values(values or []), sources=parse_sources(replace or []))
+    assembly, settings = scenario.prepare()
+    name = Path(system).name
+    try:
+        with progress_bar() as report:
+            found = cycles_of(
+                assembly, settings.step, tone_hz=tone, with_stability=not no_stability, down_to=down_to, report=report
+            )
+    except InputError as reason:
+        raise InputError(f"{system}: {reason}") from None
+    if out is not None:
+        draw(found, name, tone, out)
+    if json:
+        typer.echo(json_format.dumps(as_json(name, found), indent=1, allow_nan=False))
+        return
+    show(found, f"{name}: tones")
+
+
+def show(found: Catalogue, title: str) -> None:
+    """Print the table of tones, then what becomes of each, then what could not be followed."""
+    screen.print(table_of(found, title))
+    for c in found.cycles:
+        screen.print(f"{c.frequency_hz:8.2f} Hz  {c.fate}", highlight=False)
+    for line in found.notes:
+        notice(line)
+
+
+def draw(found: Catalogue, name: str, tone: float | None, out: Path) -> None:
+    """Write the picture that belongs to what was asked for."""
+    from ...figures.cycles import draw_cycle, draw_cycles  # noqa: PLC0415 - pictures are not always wanted
+
+    out.parent.mkdir(parents=True, exist_ok=True)
+    figure = draw_cycles(found, name) if tone is None else draw_cycle(found.near(tone), name)
+    figure.savefig(out, dpi=200)
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[str, int, int], None]]:
+    """Show on the error stream what is done."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
+        task = bar.add_task("loading", total=None)
+        yield lambda what, done, total: bar.update(task, description=what, completed=done, total=total)
+
+
+def table_of(found: Catalogue, title: str) -> Table:
+    """Return the table of tones."""
+    table = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    headings = ("tone", "pole", "1/s", "wheel", "rail", "normal", "stick", "lost", "level", "exponent")
+    units = ("Hz", "Hz", "", "lat m/s", "lat m/s", "kN", "%", "%", "dB(A)", "1/s @ Hz")
+    for heading, unit in zip(headings, units, strict=True):
+        table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)
+    for c in found.cycles:
+        table.add_row(*_row(c))
+    return table
+
+
+def _row(c: Cycle) -> tuple[str, ...]:
+    """Return a tone as a row of text."""
+    low, high = c.normal_force
+    exponent = "-"
+    if c.stability is not None:
+        largest = c.stability.largest
+        exponent = f"{largest.real:+.2f}" + (f" @ {c.stability.largest_hz:.1f}" if largest.imag else "")
+    return (
+        f"{c.frequency_hz:.2f}",
+        f"{c.pole.frequency_hz:.1f}",
+        f"{c.pole.growth_rate:+.1f}",
+        f"{c.wheel_velocity_rms['lat']:.4f}",
+        f"{c.rail_velocity_rms['lat']:.4f}",
+        f"{low / 1e3:.1f}-{high / 1e3:.1f}",
+        f"{100 * c.contact.stick:.0f}",
+        f"{100 * c.contact.lost:.0f}",
+        "-" if c.level_dba is None else f"{c.level_dba:.1f}",
+        exponent,
+    )

@@ -1,0 +1,65 @@
+"""The command `cycle`: what it prints, what it writes, what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import curvesqueal
+
+from orchestrator import InputError, cycles, load, plot_cycles
+
+
+def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
+    """The object of one tone, and its picture."""
+    picture = tmp_path / "cycle.png"
+    done = curvesqueal("cycle", "case1", "--tone", "1100", "--json", "--out", str(picture))
+    assert done.returncode == 0, done.stderr
+    assert picture.stat().st_size > 10_000
+    (tone,) = json.loads(done.stdout)["cycles"]
+    assert tone["frequency_hz"] == pytest.approx(1100.3, abs=0.1)
+    assert tone["pole_hz"] == pytest.approx(1101.2, abs=0.1)
+    assert tone["stable"] is True
+    assert tone["largest_exponent"] == pytest.approx(-0.15, abs=0.1)
+    assert tone["level_dba"] == pytest.approx(95.5, abs=0.3)
+    assert tone["normal_force"]["min"] < 60e3 < tone["normal_force"]["max"]
+    # Parseval: the lines that are told hold nearly all of the level
+    lateral = sum(line["wheel"]["lat"] ** 2 / 2 for line in tone["harmonics"]) ** 0.5
+    assert lateral == pytest.approx(tone["wheel_velocity_rms"]["lat"], rel=1e-4)
+
+
+def test_parameters_and_the_library_mean_the_same() -> None:
+    """Twice the creepage makes the tone 6 dB louder: its velocity just reaches that of sliding."""
+    plain, double = (
+        cycles(load("case1", values=values), tone_hz=1100, with_stability=False).near(1100)
+        for values in ({}, {"contact": {"steady_creepage_lat": 0.04}})
+    )
+    assert double.level_dba is not None
+    assert plain.level_dba is not None
+    assert double.level_dba - plain.level_dba == pytest.approx(6.0, abs=0.3)
+    assert plain.stable is None
+    assert plain.fate == "not looked at"
+
+
+def test_a_tone_that_is_not_there_is_refused() -> None:
+    """The nearest ones are named."""
+    done = curvesqueal("cycle", "case1", "--tone", "700")
+    assert done.returncode == 1
+    assert "no tone near 700 Hz" in done.stderr
+    assert "1101.2" in done.stderr
+
+
+def test_a_quiet_system_has_no_tone() -> None:
+    """Hardly any friction: the nearest pole is named with its growth rate."""
+    with pytest.raises(InputError, match=r"no tone: quiet, nearest pole .* Hz with -"):
+        cycles(load("case1", values={"contact": {"mu0": 0.002}}))
+
+
+def test_all_tones_are_drawn() -> None:
+    """Growth rate against amplitude and levels, with a legend and units."""
+    figure = plot_cycles(cycles("case4", with_stability=False), title="case4")
+    growth, levels = figure.axes
+    assert growth.get_xlabel() == "Amplitude of the first harmonic [m/s]"
+    assert "dB(A)" in levels.get_ylabel()
+    assert growth.get_legend() is not None
