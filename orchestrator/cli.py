@@ -54,6 +54,8 @@ COMMANDS: Table = {
     "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
+    "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),
+    "map": ("analysis.map", "Show a campaign: a quantity over two parameters, Sobol indices, shares of tones."),
     "paper": ("pages.paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
 }
 RAIL_COMMANDS: Table = {

@@ -10,7 +10,7 @@ g' and g_N by central differences of the law at the velocities it was solved at.
 import math
 
 from ..compile import kernel
-from ..creep.friction import falling_slope
+from .friction import friction_slope
 from .law import law, normal_stiffness
 from .layout import OUT, D, S
 from .parameters import P
@@ -137,8 +137,8 @@ def _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load):  #
     creepage = math.sqrt(lon * lon + lat * lat)
     sensitivity[OUT.friction_coefficient] = 0.0
     if creepage > 0.0:
-        slope = falling_slope(creepage, parameters[P.falling_ratio], parameters[P.saturation_coefficient])
-        sensitivity[OUT.friction_coefficient] = parameters[P.mu0] * slope * (lon * d_lon + lat * d_lat) / creepage
+        slope = friction_slope(parameters, creepage)
+        sensitivity[OUT.friction_coefficient] = slope * (lon * d_lon + lat * d_lat) / creepage
     sensitivity[OUT.power_dissipated] = -velocity * (
         d_x[0] * lon + d_x[1] * lat + d_x[2] * spin + f_lon * d_lon + f_lat * d_lat + moment * d_spin
     )

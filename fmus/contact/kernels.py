@@ -17,6 +17,7 @@ The Newton matrix (I - g' Y)^-1 is kept from step to step and renewed only when 
 import math
 
 from ..compile import kernel
+from ..creep.blended import spin_flexibility, volumes
 from ..creep.fastsim import bound_volume, flexibilities
 from ..creep.kalker import creepage_coefficients
 from .derivatives import differentiate
@@ -93,9 +94,12 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     """Find the steady state and evaluate the contact at the initial inputs."""
     a = parameters[P.semi_axis_lon]
     b = parameters[P.semi_axis_lat]
-    c11, c22, c23 = creepage_coefficients(a, b, parameters[P.poisson_ratio])
+    c11, c22, c23, c33 = creepage_coefficients(a, b, parameters[P.poisson_ratio])
     derived[D.L1], derived[D.L2], derived[D.L3] = flexibilities(a, b, parameters[P.shear_modulus], c11, c22, c23)
-    derived[D.volume] = bound_volume(a, b, int(parameters[P.grid_cells]), int(parameters[P.grid_strips]))
+    derived[D.L4] = spin_flexibility(b, parameters[P.shear_modulus], c33)
+    cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
+    derived[D.volume] = bound_volume(a, b, cells, strips)
+    derived[D.elliptic_volume], derived[D.parabolic_volume] = volumes(a, b, cells, strips)
     derived[D.spin_arm] = math.sqrt(a * b)
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])

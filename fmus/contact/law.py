@@ -3,10 +3,11 @@
 import math
 
 from ..compile import kernel
+from ..creep.blended import blended
 from ..creep.fastsim import fastsim
-from ..creep.friction import falling_factor
+from .friction import friction_factor
 from .layout import SCRATCH, D
-from .parameters import P
+from .parameters import BLENDED, P
 
 
 @kernel
@@ -38,27 +39,21 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
 
     `derived` lends scratch space, which is zero again afterwards.
     """
-    tau = falling_factor(
-        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
-        parameters[P.falling_ratio],
-        parameters[P.saturation_coefficient],
-    )
-    lon, lat, moment = fastsim(
-        creep_lon,
-        creep_lat,
-        creep_spin,
-        parameters[P.mu0] * load,
-        derived[D.volume],
-        parameters[P.semi_axis_lon],
-        parameters[P.semi_axis_lat],
-        derived[D.L1],
-        derived[D.L2],
-        derived[D.L3],
-        int(parameters[P.grid_cells]),
-        int(parameters[P.grid_strips]),
-        derived,
-        SCRATCH,
-    )
+    tau = friction_factor(parameters, math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat))
+    friction = parameters[P.mu0] * load
+    a, b = parameters[P.semi_axis_lon], parameters[P.semi_axis_lat]
+    cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
+    L1, L2, L3 = derived[D.L1], derived[D.L2], derived[D.L3]
+    if parameters[P.creep_law] == BLENDED:
+        lon, lat, moment = blended(
+            creep_lon, creep_lat, creep_spin, friction, derived[D.elliptic_volume], derived[D.parabolic_volume],
+            a, b, L1, L2, L3, derived[D.L4], cells, strips, derived, SCRATCH,
+        )  # fmt: skip
+    else:
+        lon, lat, moment = fastsim(
+            creep_lon, creep_lat, creep_spin, friction, derived[D.volume],
+            a, b, L1, L2, L3, cells, strips, derived, SCRATCH,
+        )  # fmt: skip
     return tau * lon, tau * lat, tau * moment
 
 

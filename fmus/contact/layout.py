@@ -1,7 +1,7 @@
 """Where the contact's kernels find what: names of the positions in their arrays."""
 
 from ..compile import positions
-from ..creep.fastsim import SCRATCH_SIZE
+from ..creep.strips import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs
 
 IN = positions("IN", (port.name for port in contact_inputs()))
@@ -26,9 +26,15 @@ S = positions(
 """Layout of the state."""
 
 D = positions(
-    "D", ("f_lon", "f_lat", "f_spin", "approach", "cos", "sin", "L1", "L2", "L3", "spin_arm", "volume", "mobility")
+    "D",
+    (
+        *("f_lon", "f_lat", "f_spin"),  # steady creep forces
+        *("approach", "cos", "sin", "spin_arm"),  # steady approach, geometry
+        *("L1", "L2", "L3", "L4", "volume", "elliptic_volume", "parabolic_volume"),  # of the creep law
+        "mobility",  # contact axes (4 x 4)
+    ),
 )
-"""Layout of the derived quantities: steady creep forces, steady approach, geometry, contact-axes mobility (4 x 4)."""
+"""Layout of the derived quantities."""
 
 STATE_SIZE = S.newton + 9
 SCRATCH = D.mobility + 16

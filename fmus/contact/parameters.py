@@ -10,6 +10,9 @@ from ..interface import mobility_ports
 
 MAX_GRID = 200
 
+FASTSIM, BLENDED = 0, 1
+"""Values of the parameter `creep_law`."""
+
 
 def _parameter(name: str, unit: str, start: float, low: float, high: float, description: str) -> Variable:
     """Declare a fixed real parameter."""
@@ -57,8 +60,11 @@ PARAMETERS = (
     _switch("linear_spring", False, "contact spring: false, Hertz's law of power 3/2; true, linear"),
     _parameter("shear_modulus", "Pa", 80e9, 1e6, 1e12, "shear modulus of wheel and rail"),
     _parameter("poisson_ratio", "1", 0.3, 0.0, 0.5, "Poisson's ratio of wheel and rail"),
-    _whole("grid_cells", 10, "FASTSIM grid: cells along the rolling direction"),
-    _whole("grid_strips", 10, "FASTSIM grid: strips across"),
+    _whole("grid_cells", 10, "grid of the creep law: cells along the rolling direction"),
+    _whole("grid_strips", 10, "grid of the creep law: strips across"),
+    Variable("creep_law", "parameter", "1",
+             "creep law: 0, FASTSIM, the paper's; 1, with a blended bound, which is right with spin too",
+             kind="Integer", start=FASTSIM, minimum=0, maximum=1),
     _switch("use_displacements", True, "true: take displacements as inputs; false: integrate the velocities"),
     _parameter("pulse_force", "N", 0.0, -1e6, 1e6, "lateral half-sine force pulse at the start, on wheel and rail"),
     _parameter("pulse_duration", "s", 1e-3, 1e-6, 10.0, "duration of the force pulse"),

@@ -3,7 +3,7 @@
 import math
 
 from ..compile import kernel
-from ..creep.friction import falling_factor
+from .friction import friction_coefficient
 from .layout import IN, OUT, D
 from .parameters import P
 
@@ -56,10 +56,7 @@ def put_monitors(parameters, derived, outputs, v, x, load, deflection):  # type:
     outputs[OUT.creepage_lon] = creep_lon
     outputs[OUT.creepage_lat] = creep_lat
     outputs[OUT.creepage_spin] = creep_spin
-    outputs[OUT.friction_coefficient] = parameters[P.mu0] * falling_factor(
-        math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat),
-        parameters[P.falling_ratio],
-        parameters[P.saturation_coefficient],
-    )
+    creepage = math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat)
+    outputs[OUT.friction_coefficient] = friction_coefficient(parameters, creepage)
     outputs[OUT.deflection] = deflection
     outputs[OUT.power_dissipated] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)

@@ -20,7 +20,7 @@ def prepare_table(parameters, derived):  # type: ignore[no-untyped-def]
     for i in range(n):
         for column in range(N_COLUMNS):
             derived[D.table + column * n + i] = parameters[N_FIXED + column * n + i]
-        c11, c22, c23 = creepage_coefficients(
+        c11, c22, c23, _ = creepage_coefficients(
             parameters[N_FIXED + G.semi_axis_lon * n + i],
             parameters[N_FIXED + G.semi_axis_lat * n + i],
             parameters[P.poisson_ratio],

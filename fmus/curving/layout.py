@@ -1,7 +1,7 @@
 """Where the kernels of the vehicle find what: names of the positions in their arrays."""
 
 from ..compile import positions
-from ..creep.fastsim import SCRATCH_SIZE
+from ..creep.strips import SCRATCH_SIZE
 from .parameters import N_FIXED, TABLE
 
 SIDES = (1.0, -1.0)

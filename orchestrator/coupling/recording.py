@@ -79,7 +79,7 @@ def snapshot(plan, more, record):  # type: ignore[no-untyped-def]
     return _fetch(plan, more, record[0][0], record[1][0])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def advance(plan, more, clock, first, steps, every, record):  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     """Do what `loop.advance` does, and fetch the further variables whenever a row is recorded.
 

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
+from ..limit_cycles.bifurcations.diagram import Branch
 from ..limit_cycles.catalogue import Catalogue, Cycle
 from .style import COLOURS, STYLE
 
@@ -122,3 +123,33 @@ def _draw_lines(axes: Axes, cycle: Cycle) -> None:
         )
     axes.set(yscale="log", xlabel="Frequency [kHz]", ylabel="Lateral velocity amplitude [m/s]", ylim=(floor, None))
     axes.legend(fontsize=8)
+
+
+MARKS = {"Hopf": "o", "fold": "D", "Neimark-Sacker": "s", "period doubling": "^"}
+
+
+def draw_branches(branches: list[Branch], title: str) -> Figure:
+    """Return the bifurcation diagram: amplitude against a parameter, solid where the tone lasts."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8, 4.8), layout="constrained")
+        axes = figure.subplots()
+        colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(branches), 1)))
+        shown: set[str] = set()
+        for colour, branch in zip(colours, branches, strict=True):
+            asked = not np.isnan(branch.exponent).any()
+            lasts = branch.stable if asked else np.ones(branch.value.size, bool)
+            middle = branch.frequency_hz[branch.frequency_hz.size // 2]
+            axes.plot(branch.value, branch.amplitude, "--", color=colour, linewidth=0.8)
+            solid = np.where(lasts, branch.amplitude, np.nan)
+            axes.plot(branch.value, solid, color=colour, linewidth=1.6, label=f"{middle:.0f} Hz")
+            for mark in branch.marks:
+                label = mark.kind if mark.kind not in shown else None
+                shown.add(mark.kind)
+                axes.plot(
+                    mark.value, mark.amplitude, MARKS[mark.kind], color="black", markerfacecolor="white", markersize=6,
+                    label=label, clip_on=False,
+                )  # fmt: skip
+        axes.set(xlabel=branches[0].parameter, ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None))
+        axes.set_title(f"{title}: solid, lasts; dashed, does not", fontsize="medium")
+        axes.legend(fontsize=8)
+        return figure

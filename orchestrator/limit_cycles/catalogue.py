@@ -130,10 +130,14 @@ class Catalogue:
         InputError
             If there is none; the nearest ones are named.
         """
-        close = [c for c in self.cycles if abs(c.frequency_hz / frequency_hz - 1) < 0.02]
+        return max(self.all_near(frequency_hz), key=lambda c: (c.stable is True, c.amplitude))
+
+    def all_near(self, frequency_hz: float) -> tuple[Cycle, ...]:
+        """Return all cycles within 2 % of a frequency; errors as of `near`."""
+        close = tuple(c for c in self.cycles if abs(c.frequency_hz / frequency_hz - 1) < 0.02)
         if not close:
             raise InputError(f"no tone within 2 % of {frequency_hz:g} Hz; {self.nearest_words(frequency_hz)}")
-        return max(close, key=lambda c: (c.stable is True, c.amplitude))
+        return close
 
     def nearest_words(self, frequency_hz: float) -> str:
         """Return the tones nearest to a frequency in words."""

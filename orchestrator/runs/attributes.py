@@ -13,6 +13,9 @@ from ..fmi.file import Fmu
 from ..fmi.instance import Value
 from .scenario import Scenario
 
+PACKAGES = ("curvesqueal", "fmpy", "numba", "numpy", "pythonfmu", "scipy")
+"""Whose versions may change a number."""
+
 
 def all_parameters(
     fmus: Mapping[str, Fmu], changed: Mapping[str, Mapping[str, Value]]
@@ -27,18 +30,15 @@ def all_parameters(
         own = values[name] = {}
         for variable in fmu.names("parameter"):
             value = changed.get(name, {}).get(variable, fmu.variables[variable].start)
-            own[variable] = None if value is None else _plain(value, fmu.variables[variable].type)
+            own[variable] = None if value is None else plain(value, fmu.variables[variable].type)
     return values
 
 
-def _plain(value: Value, kind: str) -> float | str:
+def plain(value: Value, kind: str) -> float | str:
     """Return a parameter value as a number where it is one; true is 1."""
     if kind == "Boolean":
         return float(str(value).lower() in ("true", "1"))
     return float(value) if kind in ("Real", "Integer") else str(value)
-
-
-PACKAGES = ("curvesqueal", "fmpy", "numba", "numpy", "pythonfmu", "scipy")
 
 
 def _attributes(

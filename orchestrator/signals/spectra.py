@@ -78,12 +78,12 @@ def narrow_band(signal: xr.DataArray, resolution_hz: float = 1.0) -> xr.DataArra
 
     Parameters
     ----------
-    signal : (time,) with unit `u`
+    signal : (time,) with unit `u`, or (..., time) for several
     resolution_hz : distance of the lines [Hz]; the signal must last at least 1/resolution
 
     Returns
     -------
-    (frequency,) in u^2; the sum over all lines is the mean square of the signal about its mean
+    (frequency,) in u^2, or (..., frequency); the sum over all lines is the mean square of the signal about its mean
 
     Raises
     ------
@@ -104,12 +104,14 @@ def narrow_band(signal: xr.DataArray, resolution_hz: float = 1.0) -> xr.DataArra
     import xarray as xr  # noqa: PLC0415
 
     signal = regular(signal)
-    interval = sample_interval_of(signal)
+    interval = sample_interval_of(signal.isel({name: 0 for name in signal.dims if name != "time"}))
     count = _samples(signal, interval, resolution_hz)
+    signal = signal.transpose(..., "time")
     frequency, density = welch(np.asarray(signal, dtype=float), 1 / interval, window="hann", nperseg=count)
     spacing = 1 / (count * interval)
     return xr.DataArray(
         density * spacing,
+        dims=(*signal.dims[:-1], "frequency"),
         coords={"frequency": ("frequency", frequency, {"units": "Hz"})},
         name=signal.name,
         attrs={

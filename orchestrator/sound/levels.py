@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fmus.rail.track_data import TRACKS, read_track
+from fmus.wheel.wheelset import Wheelset
 
 from ..signals.spectra import a_weighted, level, third_octaves, total
 from .radiation import LOUD, QUIET, Radiation, dissipated_power, modal_spectra, sound_power, sound_pressure
@@ -71,7 +72,10 @@ class Sound:
 
 
 def sound_of(
-    data: xr.Dataset, wheel: str | None = None, radiation: Radiation | None = None, resolution_hz: float = 2.0
+    data: xr.Dataset,
+    wheel: str | Wheelset | None = None,
+    radiation: Radiation | None = None,
+    resolution_hz: float = 2.0,
 ) -> Sound:
     """Return the sound of the second half of a run.
 

@@ -7,9 +7,9 @@ hand; it is never taken for rigid.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,12 +82,17 @@ class LinearModel:
         return self.wheel, self.rail
 
 
-def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
+Remember = Callable[[str, Callable[[], Structure]], Structure]
+"""Name of a component and how to find what it is in, that or what was found before for the same FMU and values out."""
+
+
+def model_of_assembly(assembly: Assembly, step: float, remember: Remember = lambda _name, find: find()) -> LinearModel:
     """Return the linear model of a wheel on a rail, with the values that are set.
 
     Parameters
     ----------
     step : communication step, at which a structure that shows no modes is identified [s]
+    remember : saves time where many models share their structures
 
     Raises
     ------
@@ -95,17 +100,21 @@ def model_of_assembly(assembly: Assembly, step: float) -> LinearModel:
         If the system is another one, or the contact has no slope at its steady state; the sentence says which.
     """
     names, plain = _places(assembly)
-    values = {place: _numbers(assembly, name) for place, name in names.items()}
     known = {p.name for p in PARAMETERS}
-    law = {name: value for name, value in values["contact"].items() if name in known}
+    law = {name: value for name, value in _numbers(assembly, names["contact"]).items() if name in known}
     missing = sorted(known - law.keys())
     if missing:
         raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
     contact = _without_rounding(linear_contact(law), law)
-    shown = {s: _shown(names[s], values[s]) if s in plain else None for s in STRUCTURES}
-    hidden = tuple(names[s] for s, modes in shown.items() if modes is None)
-    wheel, rail = (modes if modes is not None else _identified(assembly, names[s], step) for s, modes in shown.items())
+    wheel, rail = (remember(names[s], partial(_structure, assembly, names[s], step, s in plain)) for s in STRUCTURES)
+    hidden = tuple(names[s] for s, found in (("wheel", wheel), ("rail", rail)) if isinstance(found, Identified))
     return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden, law)
+
+
+def _structure(assembly: Assembly, name: str, step: float, plain: bool) -> Structure:
+    """Return the modes that a component shows, if they are to be believed, else what its response tells."""
+    modes = _shown(name, _numbers(assembly, name)) if plain else None
+    return _identified(assembly, name, step) if modes is None else modes
 
 
 def _shown(name: str, values: Mapping[str, Any]) -> Modes | None:

@@ -16,7 +16,9 @@ def _real(name: str, reference: int, causality: str, start: float | None = None,
 def variables(kind: str, fmi: int) -> tuple[Var, ...]:
     """Return the variables of a slave, in the types of a version of FMI."""
     real, whole = ("Real", "Integer") if fmi == 2 else ("Float64", "Int32")
+    counter = [_real("y", 1, "output"), Var("n", 2, whole, "output", 0)]
     found = {
+        "Early": counter, "Stuck": counter, "Events": counter,
         "Dahlquist": [_real("x", 1, "output"), _real("der(x)", 2, "local"), _real("k", 3, "parameter", 1.0)],
         "VanDerPol": [_real("x0", 1, "output"), _real("x1", 3, "output"), _real("mu", 5, "parameter", 1.0)],
         "BouncingBall": [
@@ -44,7 +46,10 @@ def variables(kind: str, fmi: int) -> tuple[Var, ...]:
 def reference_fmu(folder: Path, kind: str, fmi: int) -> Path:
     """Write a slave."""
     more = {"y.txt": "a file"} if kind == "Resource" else {}
-    return Table(kind, fmi, variables(kind, fmi), (), states=False, source=SOURCE, token=kind, more=more).write(folder)
+    flags = 'hasEventMode="true"' if kind == "Events" else 'canHandleVariableCommunicationStepSize="true"'
+    return Table(
+        kind, fmi, variables(kind, fmi), (), flags=flags, states=False, source=SOURCE, token=kind, more=more
+    ).write(folder)
 
 
 STATE_SPACE = """<?xml version="1.0" encoding="UTF-8"?>

@@ -1,6 +1,6 @@
 /* Co-simulation slaves of FMI 2.0 or 3.0 (-DFMI=3) with traits that FMUs are tested by; the GUID or token says which:
    Dahlquist, VanDerPol, BouncingBall (state events), Stair (time events, ends the simulation), Feedthrough (all types,
-   texts too), Resource (reads a file), StateSpace (FMI 3.0: arrays that structural parameters resize). Explicit Euler with
+   texts too), Resource (reads a file), Early and Stuck (return early), Events (does not do without event mode), StateSpace (FMI 3.0: arrays that structural parameters resize). Explicit Euler with
    a step of their own, whatever the communication step is. */
 #include <math.h>
 #include <stdio.h>
@@ -81,13 +81,23 @@ static void step(Model *m, double to) {
 const char *fmi3GetVersion(void) { return "3.0"; }
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean a, fmi3Boolean b, fmi3Boolean c,
     fmi3Boolean d, const fmi3ValueReference r[], size_t n, fmi3InstanceEnvironment e, fmi3LogMessageCallback l, fmi3IntermediateUpdateCallback u) {
-  return make(token, resources); }
+  return !strcmp(token, "Events") && !c ? NULL : make(token, resources); }
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *a, fmi3Boolean *b, fmi3Boolean *d, fmi3Boolean *e, fmi3Boolean *f, fmi3Float64 *t) {
+  ((Model *)c)->i[2]++; *a = *b = *d = *e = *f = 0; return fmi3OK; }
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return fmi3OK; }
+fmi3Status fmi3EnterStepMode(fmi3Instance c) { return fmi3OK; }
 void fmi3FreeInstance(fmi3Instance c) { free(c); }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { Model *m = c; memcpy(part(m, 6), part(m, 7), 40 * sizeof(double) * !strcmp(m->kind, "StateSpace")); return fmi3OK; }
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { ((Model *)c)->configuring = 1; return fmi3OK; }
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { Model *m = c; m->configuring = 0; for (int k = 0; k < 4; k++) for (int a = 0; a < 40; a++) part(m, k)[a] = 0.1 * (a + k); return 0; }
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean f, fmi3Boolean *event, fmi3Boolean *end, fmi3Boolean *early,
-    fmi3Float64 *last) { Model *m = c; step(m, t + h); *event = *early = 0; *end = m->ended; *last = t + h; return fmi3OK; }
+    fmi3Float64 *last) { Model *m = c;
+  if (!strcmp(m->kind, "Early") || !strcmp(m->kind, "Stuck")) { /* comes back half-way, or where it was */
+    double to = !strcmp(m->kind, "Stuck") ? t : m->configuring ? t + h : t + h / 2;
+    m->configuring = !m->configuring; m->r[1] += to - t; m->i[2]++;
+    *event = *end = 0; *early = to < t + h; *last = to; return fmi3OK; }
+  if (!strcmp(m->kind, "Events")) { m->r[1] = t + h; *event = 1; *end = *early = 0; *last = t + h; return fmi3OK; }
+  step(m, t + h); *event = *early = 0; *end = m->ended; *last = t + h; return fmi3OK; }
 static int size(Model *m, int v) { int s[] = {m->i[2] * m->i[2], m->i[2] * m->i[1], m->i[3] * m->i[2], m->i[3] * m->i[1], m->i[1], m->i[3], m->i[2], m->i[2]};
   return strcmp(m->kind, "StateSpace") ? 1 : s[v - 4]; }
 fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference v[], size_t n, fmi3Float64 x[], size_t nx) {

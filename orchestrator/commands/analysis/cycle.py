@@ -5,6 +5,7 @@ from __future__ import annotations
 import json as json_format
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace as with_fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -29,6 +30,10 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
     down_to: Annotated[
         float, typer.Option(help="Follow stable poles, too, down to this growth rate [1/s]; all tones need -60.")
     ] = -1.0,
+    against: Annotated[
+        str | None,
+        typer.Option(help="Follow the tones through a range, such as contact.mu0=0.01:0.6."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Picture to write: of all tones, or of the one of --tone.")] = None,
     json: Json = False,
 ) -> None:
@@ -51,6 +56,10 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
             )
     except InputError as reason:
         raise InputError(f"{system}: {reason}") from None
+    if against is not None:
+        chosen = found.cycles if tone is None else found.all_near(tone)
+        follow_all(with_fields(found, cycles=chosen), name, against, (no_stability, json), out)
+        return
     if out is not None:
         draw(found, name, tone, out)
     if json:
@@ -66,6 +75,44 @@ def show(found: Catalogue, title: str) -> None:
         screen.print(f"{c.frequency_hz:8.2f} Hz  {c.fate}", highlight=False)
     for line in found.notes:
         notice(line)
+
+
+def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool], out: Path | None) -> None:
+    """Follow all tones that were found through a range of a parameter; print, and draw if a picture is wanted."""
+    from ...figures.cycles import draw_branches  # noqa: PLC0415
+    from ...limit_cycles.bifurcations.diagram import branch_as_json, follow  # noqa: PLC0415
+    from ...limit_cycles.bifurcations.parameter import find_parameter  # noqa: PLC0415
+
+    parameter_name, span = parse_range(against)
+    parameter = find_parameter(found.model, parameter_name)
+    no_stability, json = how
+    with progress_bar() as report:
+        branches = [follow(c, parameter, span, not no_stability, report) for c in found.cycles]
+    if out is not None:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        draw_branches(branches, name).savefig(out, dpi=200)
+    if json:
+        data = {"case": name, "branches": [branch_as_json(b) for b in branches]}
+        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        return
+    for c, branch in zip(found.cycles, branches, strict=True):
+        screen.print(f"{c.frequency_hz:.2f} Hz against {parameter_name}: {branch.words}", highlight=False)
+        for mark in branch.marks:
+            screen.print(f"  {mark.kind:16} at {mark.value:.5g}, {mark.amplitude:.4f} m/s", highlight=False)
+        for value, end in zip(branch.value[[0, -1]], branch.ends, strict=True):
+            screen.print(f"  at {value:.5g} the branch {end}", highlight=False)
+
+
+def parse_range(text: str) -> tuple[str, tuple[float, float]]:
+    """Return parameter and range of a text such as 'contact.mu0=0.01:0.6'."""
+    name, _, span = text.partition("=")
+    try:
+        low, high = (float(part) for part in span.split(":"))
+    except ValueError:
+        raise InputError(
+            f"--against {text}: must be COMPONENT.PARAMETER=LOW:HIGH, such as contact.mu0=0.01:0.6"
+        ) from None
+    return (name if "." in name else f"contact.{name}"), (low, high)
 
 
 def draw(found: Catalogue, name: str, tone: float | None, out: Path) -> None:

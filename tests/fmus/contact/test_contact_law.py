@@ -10,10 +10,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fmus.contact.linearised import linearise
-from fmus.creep.fastsim import SCRATCH_SIZE, bound_volume, fastsim, flexibilities
+from fmus.creep.fastsim import bound_volume, fastsim, flexibilities
 from fmus.creep.friction import falling_factor
 from fmus.creep.hertz import ellipse, ellipse_of_radii
 from fmus.creep.kalker import TABLE, creepage_coefficients
+from fmus.creep.strips import SCRATCH_SIZE
 
 STEEL = {"young": 210e9, "poisson": 0.3}
 A, B, LOAD, MU = 0.010, 0.005, 60e3, 0.3
@@ -34,7 +35,7 @@ def forces(*arguments: float) -> np.ndarray:
 
 
 def flexibility(a: float, b: float, shear: float, poisson: float) -> tuple[float, float, float]:
-    result: tuple[float, float, float] = flexibilities(a, b, shear, *creepage_coefficients(a, b, poisson))
+    result: tuple[float, float, float] = flexibilities(a, b, shear, *creepage_coefficients(a, b, poisson)[:3])
     return result
 
 
@@ -95,19 +96,19 @@ def test_kalker_coefficients_at_the_nodes_of_the_table(poisson: float, column: i
         if side == 1 and row == 9:
             continue  # a = b belongs to the first side
         found = creepage_coefficients(a, b, poisson)
-        assert found == pytest.approx(TABLE[side, row, [column, 3 + column, 6 + column]], rel=1e-12)
+        assert found == pytest.approx(TABLE[side, row, column::3], rel=1e-12)
 
 
 def test_kalker_coefficients_between_the_nodes() -> None:
     """a/b = 2 for the Poisson's ratios of steel (reciprocal interpolation)."""
-    assert creepage_coefficients(2.0, 1.0, 0.28) == pytest.approx((5.2037, 4.9715, 2.6566), abs=5e-5)
-    assert creepage_coefficients(2.0, 1.0, 0.30) == pytest.approx((5.275, 5.020, 2.682), abs=5e-4)
+    assert creepage_coefficients(2.0, 1.0, 0.28)[:3] == pytest.approx((5.2037, 4.9715, 2.6566), abs=5e-5)
+    assert creepage_coefficients(2.0, 1.0, 0.30)[:3] == pytest.approx((5.275, 5.020, 2.682), abs=5e-4)
 
 
 @pytest.mark.parametrize(("aspect", "exact"), [(6.667, (9.31, 10.15, 9.42)), (4.0, (7.05, 7.33, 5.345))])
 def test_kalker_coefficients_of_narrow_ellipses(aspect: float, exact: tuple[float, float, float]) -> None:
     """Against the CONTACT program, extrapolated to a fine grid, whose own error is 0.8 %."""
-    assert creepage_coefficients(aspect, 1.0, 0.3) == pytest.approx(exact, rel=0.0125)
+    assert creepage_coefficients(aspect, 1.0, 0.3)[:3] == pytest.approx(exact, rel=0.0125)
 
 
 def test_longitudinal_creep_curve_against_a_reference_output() -> None:
@@ -144,7 +145,7 @@ def test_small_creepage_gives_kalkers_linear_theory() -> None:
 
     What is left is the sum over strips of 1 - (y/b)^2, 1 + 1/(2 n^2) of its integral, and the sliding at the edge.
     """
-    c11, c22, _ = creepage_coefficients(A, B, 0.3)
+    c11, c22, _, _ = creepage_coefficients(A, B, 0.3)
     for direction, c in ((0, c11), (1, c22)):
         exact = -80e9 * A * B * c * 1e-9
         for grid in (1, 10, 20):
@@ -158,7 +159,7 @@ def test_small_creepage_gives_kalkers_linear_theory() -> None:
     "creepage", [(0, 1e-3, 0), (1e-3, 0, 0), (0, 0, 0.3), (0, 0, 1), (0, 0, 3), (5e-4, -1e-3, 0.5), (1e-3, 2e-3, 0.3)]
 )
 def test_order_in_the_cells(creepage: tuple[float, float, float]) -> None:
-    """Sixteen times the cells, 1/256 of the error, also where spin turns the sliding: a half of that is asked for.
+    """Sixteen times the cells, 1/256 of the error, with spin too; 1/100 is asked for, first order: 1/16.
 
     An error depends on where in its cell sliding begins, so it is the mean over a few grids.
     """
@@ -170,12 +171,12 @@ def test_order_in_the_cells(creepage: tuple[float, float, float]) -> None:
     exact = found(40000)
     coarse, fine = (np.mean([abs(found(n) - exact).max() for n in range(m, 3 * m // 2, m // 10)]) for m in (10, 160))
     assert coarse < 0.01 * MU * LOAD
-    assert fine < coarse / 128
+    assert fine < coarse / 100
 
 
 def test_saturation_creepage() -> None:
     """All slides above gamma = 32 mu N / (3 pi G c22 a b), and some sticks below."""
-    _, c22, _ = creepage_coefficients(A, B, 0.3)
+    _, c22, _, _ = creepage_coefficients(A, B, 0.3)
     limit = 32 * MU * LOAD / (3 * math.pi * 80e9 * c22 * A * B)
     assert limit == pytest.approx(3.04e-3, rel=2e-3)
     above, below = (
@@ -218,23 +219,27 @@ def test_no_normal_force_gives_no_creep_force() -> None:
 
 
 def strip_by_strip(xi: float, eta: float, phi: float, peak: float, cells: int, strips: int) -> np.ndarray:
-    """FASTSIM strip after strip from the leading edge on: to a centre with half of what the last cut took away."""
+    """FASTSIM strip after strip from the leading edge on, by the trapezoidal rule for the sliding."""
     L1, L2, L3 = L_TABLE_1
     total = np.zeros(3)
     dy = 2 * B / strips
     for y in -B + (np.arange(strips) + 0.5) * dy:
         edge = A * math.sqrt(1 - (y / B) ** 2)
         dx = 2 * edge / cells
-        traction = taken = np.zeros(2)
-        reached = edge
-        for x in edge - (np.arange(cells) + 0.5) * dx:
-            middle = 0.5 * (reached + x)
-            slip = np.array([xi / L1 - phi * y / L3, eta / L2 + phi * middle / L3])
+        traction = np.zeros(2)
+        taken, reached = np.zeros(2), edge
+        for k, x in enumerate(edge - (np.arange(cells) + 0.5) * dx):
+            slip, there = (
+                np.array([xi / L1 - phi * y / L3, eta / L2 + phi * z / L3]) for z in (0.5 * (reached + x), x)
+            )
             trial = traction - (reached - x) * slip - taken
             reached = x
             bound = peak * (1 - (x / A) ** 2 - (y / B) ** 2)
             traction = trial * (bound / max(bound, np.hypot(*trial)))
-            taken = trial - traction
+            excess = np.hypot(*(trial - traction))
+            direction = trial / max(bound, np.hypot(*trial))
+            half = 0.5 * dx * (-there @ direction - 2 * peak * x / A**2) if k < cells - 1 else 0.0
+            taken = min(max(half, 0.0), excess) * direction
             total += dx * dy * np.array([*traction, x * traction[1] - y * traction[0]])
     return total
 

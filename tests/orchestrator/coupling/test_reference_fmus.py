@@ -139,3 +139,17 @@ def test_structural_parameters_resize_arrays(tmp_path: Path) -> None:
 def test_scheduled_execution_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"Clocks\.fmu: offers scheduled execution only; co-simulation is wanted"):
         open_fmu(clocks(tmp_path))
+
+
+def test_an_early_return_is_gone_on_from(tmp_path: Path) -> None:
+    """An FMU that comes back half-way is asked for the other half; one that does not get on is an error."""
+    _, found, _ = simulate(reference_fmu(tmp_path, "Early", 3), 2.0)
+    assert (found["c.y"][-1], found["c.n"][-1]) == (2.0, 16)
+    with pytest.raises(SimulationError, match=r"c: doStep returned early at t = 0 s without getting on"):
+        simulate(reference_fmu(tmp_path, "Stuck", 3), 2.0)
+
+
+def test_event_mode_is_served_where_an_fmu_needs_it(tmp_path: Path) -> None:
+    """Once after the initialisation, then after each of eight steps."""
+    _, found, _ = simulate(reference_fmu(tmp_path, "Events", 3), 2.0)
+    assert (found["c.y"][-1], found["c.n"].tolist()) == (2.0, list(range(1, 10)))

@@ -1,0 +1,1 @@
+"""What a campaign says: maps, Sobol indices, tones, a page, a table."""

@@ -1,0 +1,1 @@
+"""Cycles against a parameter: bifurcation diagrams."""
