@@ -131,7 +131,6 @@ def _unbounded(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, radiation
     return factor
 
 
-<<<<<<< HEAD
 def radiation_damping(wheelset: Wheelset, radiation: Radiation | None = None) -> Real:
     """Return the damping ratio that every mode has by its own sound alone, (n,).
 
@@ -143,90 +142,6 @@ def radiation_damping(wheelset: Wheelset, radiation: Radiation | None = None) ->
     how, omega = radiation or Radiation(), wheelset.modes.omega
     power = [_unbounded(w / (2 * np.pi), wheelset, i, how) for i, w in enumerate(omega)]
     return np.asarray(power) / (2 * omega)
-=======
-def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheelset:
-    """Return the wheelset of a results file, whose radiating areas are needed.
-
-    Parameters
-    ----------
-    data : results with the wheel's parameters and modal velocities
-    wheel : a wheelset, name of a shipped one or a file such as those in fmus/wheel/data; None: the shipped one that
-        has the natural frequencies, and most nearly the shapes, of the results
-
-    Raises
-    ------
-    InputError
-        If no wheelset fits.
-    """
-    if isinstance(wheel, Wheelset):
-        return wheel
-    count = len(modal_velocities("wheel", data.data_vars))
-    if count == 0:
-        raise InputError(
-            f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again and record '{MODAL_VELOCITIES}'"
-        )
-    if wheel is not None:
-        chosen = _named(wheel)
-        if len(chosen.modes) != count:
-            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
-        return chosen
-    frequency = _block(data, "frequency")
-    found = fitting_wheelset(frequency, _block(data, "shape_lat")) if frequency.size == count else None
-    if found is not None:
-        return found
-    raise InputError(
-        f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "name a wheel, or give its file"
-    )
-
-
-def fitting_wheelset(frequency_hz: Real, shape_lat: Real) -> Wheelset | None:
-    """Return the shipped wheelset that has these natural frequencies [Hz] and most nearly these lateral shapes.
-
-    None if none has. Without shapes (empty) the first one is taken.
-    """
-    fitting = [
-        candidate
-        for candidate in map(_named, shipped())
-        if len(candidate.modes) == frequency_hz.size
-        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency_hz, rtol=_SAME_FREQUENCY)
-    ]
-    if not fitting:
-        return None
-    size = shape_lat.size
-    return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape_lat).sum()) if size else 0.0)
-
-
-def shipped() -> list[str]:
-    """Return the names of the wheelsets whose radiating areas are known."""
-    return [*sorted(path.stem for path in DATA.glob("*840.toml")), "class158"]
-
-
-def _named(wheel: str) -> Wheelset:
-    """Return the wheelset of a name or file."""
-    if wheel == "class158":
-        return class158()
-    path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
-    try:
-        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
-            data = read_modal_data(path)
-            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
-            return estimated_wheelset(data.modes, title)
-        return read_wheelset(path)
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
-
-
-def _block(data: xr.Dataset, block: str) -> Real:
-    """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
-    values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
-    return block_of(block, values)
-
-
-def _source(data: xr.Dataset) -> str:
-    return str(data.encoding.get("source", "the results"))
->>>>>>> main
 
 
 def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
@@ -273,67 +188,3 @@ def sound_pressure(power: xr.DataArray, radiation: Radiation | None = None) -> x
     """Return the mean-square pressure at the receiver by line [Pa2] of a spectrum of radiated power [W]."""
     pressure = (power * (radiation or Radiation()).pressure_per_power).rename("sound_pressure")
     return pressure.assign_attrs({**power.attrs, "units": "Pa^2", "long_name": "mean-square sound pressure by line"})
-<<<<<<< HEAD
-=======
-
-
-@dataclass(frozen=True)
-class Sound:
-    """The sound of a run at the receiver.
-
-    Attributes
-    ----------
-    narrow : (frequency,) mean-square pressure by line [Pa2]
-    bands : (band,) level in one-third-octave bands, not weighted [dB]
-    level_dba : A-weighted level [dB(A)]; minus infinity for silence
-    low_dba, high_dba : the same between which the doubtful coefficients put it
-    power_db : sound power level [dB re 1 pW]
-    wheelset : whose radiating areas were taken
-    """
-
-    narrow: xr.DataArray
-    bands: xr.DataArray
-    level_dba: float
-    low_dba: float
-    high_dba: float
-    power_db: float
-    wheelset: str
-
-
-def sound_of(
-    data: xr.Dataset,
-    wheel: str | Wheelset | None = None,
-    radiation: Radiation | None = None,
-    resolution_hz: float = 2.0,
-) -> Sound:
-    """Return the sound of the second half of a run.
-
-    Raises
-    ------
-    InputError
-        If the results hold no modal velocities, are too short for the resolution, or belong to an unknown wheel.
-    """
-    wheelset, nominal = wheelset_of(data, wheel), radiation or Radiation()
-    spectra = modal_spectra(data.isel(time=slice(data.sizes["time"] // 2, None)), resolution_hz)
-
-    def pressure(how: Radiation) -> xr.DataArray:
-        return sound_pressure(sound_power(spectra, wheelset, how), how)
-
-    narrow = pressure(nominal)
-    with np.errstate(divide="ignore"):
-        power_db = float(10 * np.log10(total(narrow) / nominal.pressure_per_power / REFERENCE_POWER))
-    return Sound(
-        narrow=narrow,
-        bands=level(third_octaves(narrow, LOWEST_BAND_HZ), REFERENCE_PRESSURE),
-        level_dba=_dba(narrow),
-        low_dba=_dba(pressure(replace(nominal, **QUIET))),
-        high_dba=_dba(pressure(replace(nominal, **LOUD))),
-        power_db=power_db,
-        wheelset=wheelset.title,
-    )
-
-
-def _dba(pressure: xr.DataArray) -> float:
-    """Return the A-weighted level of a spectrum of pressure [dB(A)]."""
-    return float(level(a_weighted(pressure).sum(), REFERENCE_PRESSURE))
->>>>>>> main

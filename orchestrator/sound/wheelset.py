@@ -29,20 +29,22 @@ SAME_FREQUENCY = 1e-3
 """Relative distance of natural frequencies within which a structure counts as one that is known."""
 
 
-def wheelset_of(data: xr.Dataset, wheel: str | None = None) -> Wheelset:
+def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheelset:
     """Return the wheelset of a results file with the damping ratios of the run.
 
     Parameters
     ----------
     data : results with the wheel's parameters and modal velocities
-    wheel : name of a shipped wheelset or a file such as those in fmus/wheel/data; None: the shipped one that has the
-        natural frequencies, and most nearly the shapes, of the results
+    wheel : a wheelset, name of a shipped one or a file such as those in fmus/wheel/data; None: the shipped one that
+        has the natural frequencies, and most nearly the shapes, of the results
 
     Raises
     ------
     InputError
         If no wheelset fits.
     """
+    if isinstance(wheel, Wheelset):
+        return _as_run(wheel, data)
     count = len(modal_velocities("wheel", data.data_vars))
     if count == 0:
         raise InputError(
