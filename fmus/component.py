@@ -87,6 +87,8 @@ class Component:
     variables : in the order of their value references
     derived_size, state_size : lengths of the arrays that only the kernels know
     kernels : module of this package that holds `initialise`, `do_step` and `differentiate`
+    failure : what is said where outputs are no numbers, which ends the run; %g stands for the last local variable.
+        Empty: such outputs mean an input that is too large
     """
 
     name: str
@@ -95,6 +97,7 @@ class Component:
     derived_size: int
     state_size: int
     kernels: str
+    failure: str = ""
 
     def of(self, causality: str) -> tuple[Variable, ...]:
         """Return the variables of one causality, in order."""
@@ -208,11 +211,18 @@ class Instance:
         """Calculate the derived quantities, the initial state and the outputs at the start."""
         self._initialise(self.parameters, self.derived, self.state, self.inputs, self.outputs)
         self.last_step[0] = 0.0
+        self._check_outcome()
 
     def do_step(self, h: float) -> None:
         """Advance by `h` seconds with the inputs held; outputs are those at the end of the step."""
         self._do_step(self.parameters, self.derived, self.state, self.inputs, self.outputs, h)
         self.last_step[0] = h
+        self._check_outcome()
+
+    def _check_outcome(self) -> None:
+        """Raise DataError if a component that may find no solution has found none."""
+        if self.component.failure and not math.isfinite(self.outputs.sum()):
+            raise DataError(self.component.failure % self.state[len(self.component.of("local")) - 1])
 
     def differentiate(self, seed: Vector) -> Vector:
         """Return the change of all outputs per change of the inputs along `seed`, at the end of the last step.

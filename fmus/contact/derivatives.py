@@ -24,8 +24,8 @@ STEP = 1e-6
 @kernel
 def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitivity):  # type: ignore[no-untyped-def]
     """Differentiate the outputs at the end of the last step, of size h (0: none yet), along the inputs `seed`."""
-    d_v, d_v_normal, d_u = relative_motion(derived, seed)
-    d_ahead, d_deflection = look_ahead_change(parameters, state, d_v, d_v_normal, d_u, h)
+    d_v, d_v_normal, d_v_integrated, d_u = relative_motion(parameters, derived, seed)
+    d_ahead, d_deflection = look_ahead_change(parameters, state, d_v, d_v_normal, d_v_integrated, d_u, h)
     d_load = normal_stiffness(parameters, derived, outputs[OUT.deflection]) * d_deflection
     implicit = 1.0 if h > 0.0 else 0.0  # at the start the forces are explicit
     d_x = _creep_force_change(parameters, derived, state, d_ahead, d_load, implicit)

@@ -32,15 +32,27 @@ __all__ = ["differentiate", "do_step", "initialise"]
 
 
 @kernel
+def mean_pulse(parameters, begin, end):  # type: ignore[no-untyped-def]
+    """Return the mean of the half-sine force pulse over a step that has passed; it is held over the next one.
+
+    Late by a step, and of the same impulse for every size of the step, one longer than the pulse included.
+    """
+    duration = parameters[P.pulse_duration]
+    if end <= begin or begin >= duration:
+        return 0.0
+    phase = math.pi / duration
+    impulse = (math.cos(phase * begin) - math.cos(phase * min(end, duration))) / phase
+    return parameters[P.pulse_force] * impulse / (end - begin)
+
+
+@kernel
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
-    v, v_normal, u_normal = relative_motion(derived, inputs)
-    ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, u_normal, h)
+    v, v_normal, v_integrated, u_normal = relative_motion(parameters, derived, inputs)
+    ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, v_integrated, u_normal, h)
     load = normal_force(parameters, derived, deflection)
     f_normal = load - parameters[P.normal_load]
-    pulse = 0.0
-    if state[S.elapsed] < parameters[P.pulse_duration]:
-        pulse = parameters[P.pulse_force] * math.sin(math.pi * state[S.elapsed] / parameters[P.pulse_duration])
+    pulse = mean_pulse(parameters, state[S.elapsed] - h, state[S.elapsed])
     x, w, evaluations = solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
     for i in range(3):
         state[S.d_lon + i] = x[i] - state[S.f_lon + i]
@@ -112,7 +124,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
         state[i] = 0.0
     for i in range(3):
         state[S.newton + 4 * i] = 1.0
-    v, v_normal, _ = relative_motion(derived, inputs)
+    v, v_normal, _, _ = relative_motion(parameters, derived, inputs)
     for i in range(3):
         state[S.v_lon + i] = v[i]  # as if it had been so before
     state[S.v_normal] = v_normal

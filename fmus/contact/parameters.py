@@ -66,6 +66,8 @@ PARAMETERS = (
              "creep law: 0, FASTSIM, the paper's; 1, with a blended bound, which is right with spin too",
              kind="Integer", start=FASTSIM, minimum=0, maximum=1),
     _switch("use_displacements", True, "true: take displacements as inputs; false: integrate the velocities"),
+    _switch("integrate_wheel", False, "true: integrate the wheel's velocities; it gives no displacements"),
+    _switch("integrate_rail", False, "true: integrate the rail's velocities; it gives no displacements"),
     _parameter("pulse_force", "N", 0.0, -1e6, 1e6, "lateral half-sine force pulse at the start, on wheel and rail"),
     _parameter("pulse_duration", "s", 1e-3, 1e-6, 10.0, "duration of the force pulse"),
     *(

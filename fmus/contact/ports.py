@@ -9,17 +9,31 @@ from .parameters import P
 
 
 @kernel
-def relative_motion(derived, values):  # type: ignore[no-untyped-def]
-    """Return relative velocities (lon, lat, spin), normal velocity, normal displacement of inputs; contact axes."""
+def relative_motion(parameters, derived, values):  # type: ignore[no-untyped-def]
+    """Return the relative motion that inputs say, in contact axes.
+
+    Velocities (lon, lat, spin); normal velocity of both sides, and of those whose velocities are integrated; normal
+    displacement of the other sides.
+    """
     cos = derived[D.cos]
     sin = derived[D.sin]
     v_lon = values[IN.wheel_v_lon] - values[IN.rail_v_lon]
     v_y = values[IN.wheel_v_lat] - values[IN.rail_v_lat]
     v_z = values[IN.wheel_v_ver] - values[IN.rail_v_ver]
     v_spin = values[IN.wheel_v_spin] - values[IN.rail_v_spin]
-    u_y = values[IN.wheel_u_lat] - values[IN.rail_u_lat]
-    u_z = values[IN.wheel_u_ver] - values[IN.rail_u_ver]
-    return (v_lon, cos * v_y - sin * v_z, v_spin), sin * v_y + cos * v_z, sin * u_y + cos * u_z
+    v_normal = sin * v_y + cos * v_z
+    v_integrated = 0.0
+    u_normal = 0.0
+    both = parameters[P.use_displacements] == 0.0
+    if both or parameters[P.integrate_wheel] != 0.0:
+        v_integrated += sin * values[IN.wheel_v_lat] + cos * values[IN.wheel_v_ver]
+    else:
+        u_normal += sin * values[IN.wheel_u_lat] + cos * values[IN.wheel_u_ver]
+    if both or parameters[P.integrate_rail] != 0.0:
+        v_integrated -= sin * values[IN.rail_v_lat] + cos * values[IN.rail_v_ver]
+    else:
+        u_normal -= sin * values[IN.rail_u_lat] + cos * values[IN.rail_u_ver]
+    return (v_lon, cos * v_y - sin * v_z, v_spin), v_normal, v_integrated, u_normal
 
 
 @kernel

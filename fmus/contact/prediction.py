@@ -33,33 +33,30 @@ HISTORY = 3
 
 
 @kernel
-def look_ahead(parameters, derived, state, v, v_normal, u_normal, h):  # type: ignore[no-untyped-def]
+def look_ahead(parameters, derived, state, v, v_normal, v_integrated, u_normal, h):  # type: ignore[no-untyped-def]
     """Return velocities (lon, lat, spin) and deflection ahead, for the forces held now; remember what comes next."""
     if parameters[P.host_delay_steps] != 0.0 and h > 0.0:
-        return _look_further(parameters, derived, state, v, v_normal, u_normal, h)
-    if parameters[P.use_displacements] != 0.0:
-        deflection = -u_normal - 0.5 * h * v_normal
-    else:  # the backward rectangle is half a step ahead by itself
-        state[S.deflection] -= h * v_normal
-        deflection = state[S.deflection]
+        return _look_further(parameters, derived, state, v, v_normal, v_integrated, u_normal, h)
+    state[S.deflection] -= h * v_integrated  # the backward rectangle is half a step ahead by itself
+    deflection = state[S.deflection] - u_normal - 0.5 * h * (v_normal - v_integrated)
     return (_half(derived, state, v[0], 0), _half(derived, state, v[1], 1), _half(derived, state, v[2], 2)), deflection
 
 
 @kernel
-def look_ahead_change(parameters, state, d_v, d_v_normal, d_u_normal, h):  # type: ignore[no-untyped-def]
+def look_ahead_change(parameters, state, d_v, d_v_normal, d_v_integrated, d_u_normal, h):  # type: ignore[no-untyped-def]
     """Return the changes of what `look_ahead` returned for changes of its inputs; `h` is 0 at the start."""
-    with_u = parameters[P.use_displacements] != 0.0
     if h <= 0.0:
-        return d_v, -d_u_normal if with_u else 0.0
+        return d_v, -d_u_normal
     if parameters[P.host_delay_steps] == 0.0:
-        d_deflection = -d_u_normal - 0.5 * h * d_v_normal if with_u else -h * d_v_normal
+        d_deflection = -d_u_normal - 0.5 * h * (d_v_normal + d_v_integrated)
         return (1.5 * d_v[0], 1.5 * d_v[1], 1.5 * d_v[2]), d_deflection
     part = state[S.part]
     d_rest, d_rest2 = _extrapolate(part, 1.0, 0.0, 0.0)
     share = _middle(part, 1.0, 0.0, 0.0, d_rest, d_rest2)
     n_rest, n_rest2 = _extrapolate(state[S.part_normal], d_v_normal, 0.0, 0.0)
-    if with_u:
-        d_deflection = -_displacement(d_u_normal, d_v_normal, 0.0, 0.0, d_v_normal, n_rest, n_rest2, h)
+    if parameters[P.use_displacements] != 0.0:
+        d_u = d_u_normal + 0.5 * h * d_v_integrated
+        d_deflection = -_displacement(d_u, d_v_normal, 0.0, 0.0, d_v_normal, n_rest, n_rest2, h)
     else:
         d_deflection = -h * (2.0 * d_v_normal + n_rest)
     return (share * d_v[0], share * d_v[1], share * d_v[2]), d_deflection
@@ -79,7 +76,7 @@ def _half(derived, state, v, row):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _look_further(parameters, derived, state, v, v_normal, u_normal, h):  # type: ignore[no-untyped-def]
+def _look_further(parameters, derived, state, v, v_normal, v_integrated, u_normal, h):  # type: ignore[no-untyped-def]
     """Look ahead from inputs that are one step old: by one and a half steps."""
     n = S.newton
     smallest = min(state[n], state[n + 4], state[n + 8])
@@ -91,10 +88,11 @@ def _look_further(parameters, derived, state, v, v_normal, u_normal, h):  # type
     state[S.part] = part
     state[S.part_normal] = part_normal
     held, known, b0, rest, rest2 = _step_further(derived, state, v_normal, 3, part_normal)
-    if parameters[P.use_displacements] != 0.0:
-        deflection = -_displacement(u_normal, v_normal, held, known, b0, rest, rest2, h)
+    state[S.deflection] -= h * v_integrated
+    if parameters[P.use_displacements] != 0.0:  # what is integrated is half a step ahead
+        u = u_normal - state[S.deflection] - 0.5 * h * v_integrated
+        deflection = -_displacement(u, v_normal, held, known, b0, rest, rest2, h)
     else:
-        state[S.deflection] -= h * v_normal
         deflection = state[S.deflection] - h * (v_normal + known + rest)
     state[S.v_normal] = v_normal
     ahead = (

@@ -134,22 +134,27 @@ class Bogie:
             If there is none; the sentence names the radius that was reached.
         """
         self.instance.inputs[:] = curve.inputs
-        if self._started:
-            self.instance.do_step(1.0)
-        if not self._started or self.instance.state[S.failed]:
-            self.instance.initialise()  # not found from the last curve: from straight track
-        failed = int(self.instance.state[S.failed])
-        self._started = not failed
-        if failed:
-            reached = abs(float(self.instance.state[S.reached]))
-            far = "straight track" if reached == 0 else f"a radius of {1 / reached:.1f} m"
+        self._started = (self._started and self._try(start=False)) or self._try(start=True)
+        if not self._started:
+            why = FAILURES[int(self.instance.state[S.failed])]
+            if curve.curvature == 0:
+                raise DataError(f"no steady state on straight track: {why}")
             raise DataError(
-                f"no steady state in a curve of {1 / abs(curve.curvature):g} m radius: {FAILURES[failed]}; "
-                f"found down to {far}"
-                if curve.curvature
-                else f"no steady state on straight track: {FAILURES[failed]}"
+                f"no steady state in a curve of {1 / abs(curve.curvature):g} m radius: {why}; "
+                f"found down to a radius of {self.instance.state[S.reached]:.4g} m"
             )
         return self._state()
+
+    def _try(self, start: bool) -> bool:
+        """Return whether there is a solution that follows from straight track or from the last one."""
+        try:
+            if start:
+                self.instance.initialise()
+            else:
+                self.instance.do_step(1.0)
+        except DataError:
+            return False
+        return True
 
     def _state(self) -> BogieState:
         """Return the outputs by name."""

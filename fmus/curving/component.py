@@ -71,6 +71,7 @@ def vehicle(
         derived_size=derived_size(0 if table is None else table.shift.size),
         state_size=STATE_SIZE,
         kernels="curving.kernels",
+        failure="no steady state in this curve; found down to a radius of %g m",
     )
 
 
@@ -106,7 +107,7 @@ def _locals() -> tuple[Variable, ...]:
             "1",
             "0; why there is no steady state: 1 no solution, 2 a wheel lifts, 3 a flange is climbed",
         ),
-        Variable("reached_curvature", "local", "1/m", "curvature up to which a steady state was found", nominal=1e-2),
+        Variable("reached_radius", "local", "m", "radius down to which a steady state was found", nominal=100.0),
     )
 
 

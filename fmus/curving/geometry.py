@@ -79,7 +79,7 @@ def _interpolate(parameters, derived, n, shift, at):  # type: ignore[no-untyped-
     """Interpolate all columns by cubics through values and slopes, straight on beyond the ends."""
     step = parameters[P.table_spacing]
     place = (shift - parameters[P.table_start]) / step
-    i = min(max(math.floor(place), 0), n - 2)
+    i = min(max(int(math.floor(place)), 0), n - 2)  # noqa: RUF046 - in C floor gives a real number
     t = place - i
     beyond = 0.0
     if t < 0.0:

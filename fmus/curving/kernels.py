@@ -13,6 +13,9 @@ from .geometry import prepare_table
 from .layout import N_COLUMNS, N_WHEEL, PER_AXLE, WHEEL_OUTPUTS, C, D, N, S, X
 from .parameters import N_FIXED, P
 
+FLATTEST = 1e-9
+"""Curvature of what counts as straight track [1/m]."""
+
 
 @kernel
 def _on_table(parameters, derived):  # type: ignore[no-untyped-def]
@@ -64,7 +67,7 @@ def _solve(parameters, derived, state, inputs, outputs, last, first):  # type: i
     wanted = (curvature, lateral_load(parameters, curvature, inputs[C.velocity], inputs[C.cant]), inputs[C.mu0])
     unknowns = state[S.unknowns : S.unknowns + N]
     iterations, residual, reached = follow(parameters, derived, unknowns, last, wanted, first)
-    state[S.reached] = last[0] + reached * (wanted[0] - last[0])
+    state[S.reached] = 1.0 / max(abs(last[0] + reached * (wanted[0] - last[0])), FLATTEST)
     failure = -min(iterations, 0)
     if failure == 0:
         put_residual(parameters, derived, unknowns, wanted[0], wanted[1], wanted[2], D.residual)

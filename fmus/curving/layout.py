@@ -62,13 +62,13 @@ def derived_size(nodes: int) -> int:
 S = positions(
     "S",
     (
-        *("failed", "reached"),  # whether no solution was found, and the curvature that was reached
+        *("failed", "reached"),  # why no solution was found, and the radius that was reached
         *("curvature", "load", "mu0"),  # of the last solution
         *("velocity", "cant"),  # of the last inputs
         "unknowns",
     ),
 )
-"""Layout of the state; the first is a local variable."""
+"""Layout of the state; the first two are local variables."""
 
 STATE_SIZE = S.unknowns + N
 

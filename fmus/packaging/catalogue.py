@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..cases import read_cases
 from ..component import Component
 from ..contact.component import contact
+from ..curving.component import vehicle
 from ..interface import DEFAULT_STEP
 from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..system.component import system
@@ -33,6 +34,7 @@ def components() -> dict[str, Component]:
         "rail-rigid": rigid,
         "rail-discrete": discrete_rail(),
         **contacts(parts, cases),
+        "vehicle": vehicle(),
         "curvesqueal": system("curvesqueal", the_wheel, the_rail, the_contact, first.contact),
         "curvesqueal-rigid": system("curvesqueal_rigid", the_wheel, rigid, the_contact, first.contact),
     }

@@ -20,9 +20,9 @@ from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.settings import Settings
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value
-from ..runs.competition import mode_start
 from ..runs.identity import component
 from ..runs.scenario import random_start
+from ..runs.starts import mode_start
 from ..stability.poles import Structure
 from ..stability.tracking import TrackedPoles
 from ..system.cases import find_system

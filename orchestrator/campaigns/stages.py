@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError, SimulationError
 from ..runs.identity import identity
-from . import linear, simulated
+from .computed import balanced, linear, simulated
 from .factors import Value
 from .plan import Plan
 from .prepared import Campaign, Prepared, Workshop, prepare
@@ -35,6 +35,7 @@ class Stage:
 
 STAGES: dict[str, Stage] = {
     "linear": Stage(linear.QUANTITIES, linear.linear, linear.is_unstable),
+    "cycles": Stage(balanced.QUANTITIES, balanced.balanced, balanced.may_squeal),
     "time": Stage(simulated.QUANTITIES, simulated.simulated, simulated.squeals),
 }
 """Stages by the name that plans give them."""

@@ -13,6 +13,7 @@ import numpy as np
 from distributed import Client
 
 from ..errors import InputError, SimulationError
+from .adoption import adopted
 from .cluster import FmuContents, local, remote
 from .engine import Engine
 from .factors import SEED, START_HZ
@@ -92,8 +93,12 @@ class Estimate:
     bytes: float
 
 
-def sweep(plan: Plan, out: Path, how: How | None = None) -> Progress:
+def sweep(plan: Plan, out: Path, how: How | None = None, kin: tuple[Path, ...] = ()) -> Progress:
     """Compute what the store of a plan does not hold yet.
+
+    Parameters
+    ----------
+    kin : other stores, whose rows are taken where they have the same identity
 
     Raises
     ------
@@ -106,6 +111,8 @@ def sweep(plan: Plan, out: Path, how: How | None = None) -> Progress:
     campaign, contents, where = checked(plan)
     with claimed(out):
         store = open_store(out, campaign, where, quantities(plan))
+        missing = np.flatnonzero(store.status() == WAITING).tolist()
+        store.write(list(adopted(campaign, where, missing, kin, store.quantities)))
         run = _Sweep(campaign, contents, where, store, how)
         if run.todo():
             run.all()

@@ -5,17 +5,17 @@ Everything that can be wrong with a system before the first call is found here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from fmus.interface import PAIRS
+from fmus.interface import DISPLACEMENT_DIRECTIONS, PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
 from ..system.model import Element, System, Wire
 from ..system.values import component_values, elements_of, known, resized, through, variable_unit
-from .bonds import Bond, Link, _bonds
+from .bonds import Bond, Link, _bonds, integrated_sides
 from .dependencies import Coupling, Node
 from .rates import period
 
@@ -44,6 +44,7 @@ class Assembly:
     contact : component that takes interface mobilities, None if there is none
     notices : what a user should know before a run, one sentence each
     outputs : outputs of the system itself, each with its conversion from a component's
+    integrated : wheel, rail or both: sides that give no displacements, so that the contact integrates their velocities
     """
 
     system: System
@@ -54,6 +55,11 @@ class Assembly:
     contact: str | None
     notices: tuple[str, ...] = ()
     outputs: tuple[Link, ...] = ()
+    integrated: tuple[str, ...] = ()
+
+    def integration(self) -> dict[str, Value]:
+        """Return the parameters that make the contact integrate the velocities of a side."""
+        return {f"integrate_{side}": True for side in self.integrated}
 
     @cached_property
     def coupling(self) -> Coupling:
@@ -127,10 +133,15 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     passed_over = (notice for v in values.values() for notice in v.notices)
     wanted = {f"mobility_{row}_{column}" for row, column in PAIRS}
     contact = next((name for name, fmu in fmus.items() if wanted <= fmu.variables.keys()), None)
+    integrated = () if contact is None else integrated_sides(links, contact, fmus[contact], parameters[contact].keys())
     faults = {f for fmu in fmus.values() for f in fmu.faults}
-    notices = (*system.notices, *sorted(faults), *passed_over, *_held_inputs(links, fmus, parameters))
+    notices = (*system.notices, *sorted(faults), *passed_over)
+    notices += tuple(_held_inputs(links, fmus, parameters, _passed_over(contact, integrated)))
+    notices += tuple(f"{s} gives no displacements; the contact integrates its velocities" for s in integrated)
     outputs = tuple(_output(wire, system, fmus) for wire in system.outputs)
-    return Assembly(system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs)
+    return Assembly(
+        system, fmus, parameters, links, tuple(_bonds(links, contact)), contact, notices, outputs, integrated
+    )
 
 
 def _check_connectors(element: Element, fmu: Fmu) -> None:
@@ -212,16 +223,26 @@ def _check_inputs(links: Iterable[Link], fmus: Mapping[str, Fmu]) -> None:
             )
 
 
+def _passed_over(contact: str | None, integrated: Iterable[str]) -> set[tuple[str, str]]:
+    """Return the displacement inputs of the contact that it does without."""
+    return {(str(contact), f"{s}_u_{d}") for s in integrated for d in DISPLACEMENT_DIRECTIONS}
+
+
 def _held_inputs(
-    links: Iterable[Link], fmus: Mapping[str, Fmu], parameters: Mapping[str, Mapping[str, Value]]
+    links: Iterable[Link],
+    fmus: Mapping[str, Fmu],
+    parameters: Mapping[str, Mapping[str, Value]],
+    known: Collection[tuple[str, str]],
 ) -> Iterable[str]:
-    """Yield a notice for each input that neither a connection nor a value reaches."""
+    """Yield a notice for each input that neither a connection nor a value reaches, nor another notice."""
     fed: dict[str, set[tuple[str, int, int]]] = {name: set() for name in fmus}
+    for name, variable in known:
+        fed[name].add(fmus[name].variables[variable].place)
     for link in links:
         fed[link.wire.end_element].add(fmus[link.wire.end_element].variables[link.wire.end_connector].place)
     for name, fmu in fmus.items():
-        known = fed[name] | {fmu.variables[v].place for v in parameters[name]}
+        reached = fed[name] | {fmu.variables[v].place for v in parameters[name]}
         for variable in fmu.names("input"):
-            if fmu.variables[variable].place not in known:
+            if fmu.variables[variable].place not in reached:
                 start = fmu.variables[variable].start
                 yield f"input {name}.{variable} of {fmu.path.name} is connected to nothing; it stays at {start}"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from fmus.interface import DIRECTIONS, STRUCTURES
+from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES
 
+from ..fmi.file import Fmu
 from ..system.model import Wire
 
 
@@ -46,3 +48,23 @@ def _bonds(links: tuple[Link, ...], contact: str | None) -> list[Bond]:
         for d in DIRECTIONS
         if f"{s}_f_{d}" in out and f"{s}_v_{d}" in into
     ]
+
+
+def integrated_sides(links: Iterable[Link], contact: str, fmu: Fmu, given: Collection[str]) -> tuple[str, ...]:
+    """Return the sides whose velocities the contact is to integrate, for want of their displacements.
+
+    A structure of the paper's contract exchanges velocities and forces alone. Its displacement inputs at the contact
+    would stay 0, and the contact spring would see it rigid.
+
+    Parameters
+    ----------
+    fmu : of the contact
+    given : names of its parameters and inputs that have values of their own
+    """
+    fed = {link.wire.end_connector for link in links if link.wire.end_element == contact}
+    moving = (s for s in STRUCTURES if any(f"{s}_v_{d}" in fed for d in DISPLACEMENT_DIRECTIONS))
+    silent = (
+        s for s in moving if not any(f"{s}_u_{d}" in fed or f"{s}_u_{d}" in given for d in DISPLACEMENT_DIRECTIONS)
+    )
+    names = {s: f"integrate_{s}" for s in silent}
+    return tuple(s for s, name in names.items() if name in fmu.variables and name not in given)

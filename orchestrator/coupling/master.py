@@ -149,6 +149,7 @@ class Master:
         parameters = {name: with_step(fmu, a.parameters[name], step) for name, fmu in a.fmus.items()}
         if a.contact is not None:
             parameters[a.contact].update(contact_mobility(a, step, self.settings.timeout))
+            parameters[a.contact].update(a.integration())
         return parameters
 
     def _initialise(self) -> None:

@@ -71,6 +71,7 @@ def _values(assembly: Assembly, step: float) -> dict[str, dict[str, Value]]:
     }
     if assembly.contact is not None:
         values[assembly.contact].update(contact_mobility(assembly, step))
+        values[assembly.contact].update(assembly.integration())
     return values
 
 

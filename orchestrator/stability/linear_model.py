@@ -41,7 +41,7 @@ class LinearModel:
     ----------
     wheel, rail : modes that move, or what was identified
     contact : linearised at its steady state
-    displacements : whether the contact takes displacements; else it integrates velocities
+    integrated : wheel, rail or both: whose velocities the contact integrates, for want of their displacements
     identified : names of the components that show no modes
     law : all parameters of the running contact
     """
@@ -49,7 +49,7 @@ class LinearModel:
     wheel: Structure
     rail: Structure
     contact: LinearContact
-    displacements: bool = True
+    integrated: tuple[str, ...] = ()
     identified: tuple[str, ...] = ()
     law: Mapping[str, float] = field(default_factory=dict)
 
@@ -108,7 +108,8 @@ def model_of_assembly(assembly: Assembly, step: float, remember: Remember = lamb
     contact = _without_rounding(linear_contact(law), law)
     wheel, rail = (remember(names[s], partial(_structure, assembly, names[s], step, s in plain)) for s in STRUCTURES)
     hidden = tuple(names[s] for s, found in (("wheel", wheel), ("rail", rail)) if isinstance(found, Identified))
-    return LinearModel(wheel, rail, contact, bool(law["use_displacements"]), hidden, law)
+    law |= {name: float(bool(value)) for name, value in assembly.integration().items()}
+    return LinearModel(wheel, rail, contact, _integrated(law), hidden, law)
 
 
 def _structure(assembly: Assembly, name: str, step: float, plain: bool) -> Structure:
@@ -150,7 +151,14 @@ def model_of(data: xr.Dataset) -> LinearModel:
     law = {k: v for k, v in (values.get("contact") or {}).items() if not k.startswith("mobility_")}
     if not law or any(not isinstance(value, float) for value in law.values()):
         raise InputError("the results tell no parameters of the contact, so the poles of the system are not known")
-    return LinearModel(structures[0], structures[1], linear_contact(law), bool(law.get("use_displacements", 1.0)))
+    return LinearModel(structures[0], structures[1], linear_contact(law), _integrated(law))
+
+
+def _integrated(law: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the sides whose velocities the contact integrates."""
+    if not law["use_displacements"]:
+        return STRUCTURES
+    return tuple(s for s in STRUCTURES if law[f"integrate_{s}"])
 
 
 def _without_rounding(contact: LinearContact, law: Mapping[str, float]) -> LinearContact:

@@ -51,12 +51,14 @@ class OpenSystem:
     A : (m, m) state matrix; two modal structures have all modal velocities, then all modal displacements
     B : (m, 4) rate of the state per contact force on the wheel, in contact axes
     V, U : (4, m) relative velocity and displacement, wheel minus rail, in contact axes
+    rail : (m,) whether a state belongs to the rail
     """
 
     A: Any
     B: Any
     V: Any
     U: Any
+    rail: NDArray[np.bool_]
 
     @classmethod
     def of(cls, wheel: Structure, rail: Structure, turn: Real) -> OpenSystem:
@@ -68,13 +70,15 @@ class OpenSystem:
                 np.vstack([wheel.shape, -rail.shape]),
             )
             A, B, C, C_d = state_space(both)
-            return cls(A, B @ turn.T, turn @ C, turn @ C_d)
+            own = np.repeat([False, True, False, True], [len(wheel), len(rail)] * 2)
+            return cls(A, B @ turn.T, turn @ C, turn @ C_d, own)
         parts = [_matrices(wheel), _matrices(rail)]
         return cls(
             block_diag(parts[0][0], parts[1][0]),
             np.vstack([parts[0][1], -parts[1][1]]) @ turn.T,
             turn @ np.hstack([parts[0][2], -parts[1][2]]),
             turn @ np.hstack([parts[0][3], -parts[1][3]]),
+            np.repeat([False, True], [len(parts[0][0]), len(parts[1][0])]),
         )
 
 

@@ -62,7 +62,7 @@ class Growth:
 
 def growth_of_scheme(model: LinearModel, step: float, algorithm: str, below_hz: float = BELOW_HZ) -> Growth:
     """Return what an algorithm makes of the growth rates at a communication step [s]."""
-    matrix = step_map(model.wheel, model.rail, model.contact, step, algorithm, displacements=model.displacements)
+    matrix = step_map(model.wheel, model.rail, model.contact, step, algorithm, model.integrated)
     found = discrete_poles(matrix, step)
     modes = compare_growth(model.poles.below(below_hz), found)
     return Growth(modes, float(found.growth_rate.max(initial=0) - model.poles.growth_rate.max(initial=0)))

@@ -7,6 +7,7 @@ are the growth that the algorithm adds, mode by mode.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,7 +41,7 @@ def step_map(
     contact: LinearContact,
     h: float,
     algorithm: str = "staggered",
-    displacements: bool = True,
+    integrated: Collection[str] = (),
 ) -> Any:
     """Return the matrix of one step.
 
@@ -48,13 +49,13 @@ def step_map(
     ----------
     h : communication step [s]
     algorithm : name of a master algorithm, or `COMPENSATED`
-    displacements : whether the contact takes displacements; else it integrates velocities
+    integrated : wheel, rail or both: whose velocities the contact integrates, for want of their displacements
 
     Returns
     -------
     (m + 12, m + 12) array for the state (the m states of the structures, held contact forces, the forces before them,
-    the relative velocities before), all but the first in contact axes; without displacements one more, the compression
-    of the spring
+    the relative velocities before), all but the first in contact axes; with integrated velocities one more, their
+    compression of the spring
 
     Notes
     -----
@@ -64,36 +65,48 @@ def step_map(
     if algorithm == COMPENSATED:
         return _compensated_step_map(wheel, rail, contact, h)
     rule = find_algorithm(algorithm)
-    V, U, phi, drive = _sampled(wheel, rail, contact, h)
-    m = len(phi)
+    system, phi, drive = _sampled(wheel, rail, contact, h)
+    V, m = system.V, len(phi)
     Y = (V @ drive).real
-    unit = np.eye(m + (12 if displacements else 13))
+    unit = np.eye(m + (13 if integrated else 12))
     now, held, before, v_before, compression = np.split(unit, [m, m + 4, m + 8, m + 12])
-    law = _Law(contact, Y, h, displacements)
+    law = _Law(contact, Y, h)
+    see = _compression(system, h, integrated)
     stepped = np.hstack([phi, (1 - rule.share) * drive, np.zeros((m, len(unit) - m - 4))])
     seen = now if rule.simultaneous else stepped
-    v, u = V @ seen, U @ seen
+    v = V @ seen
     v_ahead = v + 0.5 * (v - v_before - Y @ (held - before))
-    forces = law.forces(v_ahead - Y @ held, law.compression(v, u, compression))
+    known = compression if integrated else 0.0
+    forces = law.forces(v_ahead - Y @ held, known + see[0] @ seen)
     if rule.share:
-        own_v, own_u = rule.share * V @ drive, rule.share * U @ drive
-        own = law.forces(1.5 * own_v, law.compression(own_v, own_u, np.zeros((1, 4))))
+        own = law.forces(1.5 * rule.share * V @ drive, rule.share * see[0] @ drive)
         forces = np.asarray(np.linalg.solve(np.eye(4) - own, forces))
         stepped = np.asarray(stepped + rule.share * drive @ forces)
-        v, u = V @ stepped, U @ stepped
-    kept = [] if displacements else [law.compression(v, u, compression)]
+        seen = stepped
+        v = V @ seen
+    kept = [known + see[1] @ seen] if integrated else []
     return np.vstack([stepped, forces, held, v, *kept])
 
 
-def _sampled(wheel: Structure, rail: Structure, contact: LinearContact, h: float) -> tuple[Any, Any, Any, Any]:
-    """Return V and U of `OpenSystem`, the exact step of its state, and its answer to held contact forces."""
+def _compression(system: OpenSystem, h: float, integrated: Collection[str]) -> tuple[Any, Any]:
+    """Return the spring's compression by the states, and the part of it that is kept: (1, m) each.
+
+    A side with displacements compresses by -(u + h/2 v); the velocities of the others are summed up, -h v a step.
+    """
+    summed = np.where(system.rail, "rail" in integrated, "wheel" in integrated)
+    kept = -h * system.V[[NORMAL]] * summed
+    return kept - (system.U[[NORMAL]] + 0.5 * h * system.V[[NORMAL]]) * ~summed, kept
+
+
+def _sampled(wheel: Structure, rail: Structure, contact: LinearContact, h: float) -> tuple[OpenSystem, Any, Any]:
+    """Return wheel and rail side by side, the exact step of their state, and its answer to held contact forces."""
     open_system = OpenSystem.of(wheel, rail, contact.turn)
     if isinstance(wheel, Modes) and isinstance(rail, Modes):
         phi, gamma = _exact_step(open_system.A, len(wheel) + len(rail), h)
-        return open_system.V, open_system.U, phi, gamma @ open_system.B[: gamma.shape[1]]
+        return open_system, phi, gamma @ open_system.B[: gamma.shape[1]]
     steps = [_step_of(structure, h) for structure in (wheel, rail)]
     answer = block_diag(steps[0][1], steps[1][1])
-    return open_system.V, open_system.U, block_diag(steps[0][0], steps[1][0]), answer @ open_system.B
+    return open_system, block_diag(steps[0][0], steps[1][0]), answer @ open_system.B
 
 
 def _step_of(structure: Structure, h: float) -> tuple[Any, Any]:
@@ -111,8 +124,8 @@ def _compensated_step_map(wheel: Structure, rail: Structure, contact: LinearCont
     The state of `step_map`, then the forces before those and the rests of the last two changes of the velocities, see
     `fmus.contact.prediction`: (m + 24, m + 24), m states of the structures.
     """
-    V, U, phi, drive = _sampled(wheel, rail, contact, h)
-    m = len(phi)
+    system, phi, drive = _sampled(wheel, rail, contact, h)
+    V, U, m = system.V, system.U, len(phi)
     Y = (V @ drive).real
     unit = np.eye(m + 24)
     now, held, before, v_before, older, b1, b2 = np.split(unit, range(m, len(unit), 4))
@@ -126,7 +139,7 @@ def _compensated_step_map(wheel: Structure, rail: Structure, contact: LinearCont
     following, change = v + known + rest, MEMORY * Y @ held + rest2
     v_ahead = following + change / 2 - part * (rest2 - rest) / 6
     u_ahead = u + h * (v / 2 + following + (change - rest + b0) / 12)
-    forces = _Law(contact, Y, h, displacements=True).forces(v_ahead - Y @ held, -u_ahead[[NORMAL]])
+    forces = _Law(contact, Y, h).forces(v_ahead - Y @ held, -u_ahead[[NORMAL]])
     return np.vstack([stepped, forces, held, v, before, b0, b1])
 
 
@@ -147,19 +160,11 @@ class _Law:
     ----------
     Y : (4, 4) interface mobility that the contact knows
     h : communication step [s]
-    displacements : whether the spring takes displacements
     """
 
     contact: LinearContact
     Y: Real
     h: float
-    displacements: bool
-
-    def compression(self, v: Any, u: Any, before: Any) -> Any:
-        """Return the compression of the spring, (1, m), at velocities and displacements (4, m)."""
-        if self.displacements:
-            return -(u[[NORMAL]] + 0.5 * self.h * v[[NORMAL]])
-        return before - self.h * v[[NORMAL]]
 
     def forces(self, v: Any, compression: Any) -> Any:
         """Return the contact forces that solve F = H1 (v + Y F) + h2 f_n and f_n = K times compression, (4, m)."""

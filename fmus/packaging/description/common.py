@@ -34,9 +34,9 @@ def identify(root: Element, component: Component, version: str, content: str, na
 
 
 def unit_definitions(root: Element, component: Component) -> None:
-    """Define every unit that a variable of the component has."""
+    """Define every unit that a variable of the component has, and that of the time."""
     definitions = SubElement(root, "UnitDefinitions")
-    for unit in sorted({v.unit for v in component.variables if v.kind == "Real"}):
+    for unit in sorted({"s", *(v.unit for v in component.variables if v.kind == "Real")}):
         element = SubElement(definitions, "Unit", name=unit)
         exponents = UNITS[unit]
         if exponents is not None:

@@ -50,6 +50,7 @@ def component_header(component: Component, fmi: int, token: str, only_scalars: b
         "/* Generated from the declaration of the component. */",
         f"#define TOKEN {json.dumps(token)}",
         *(f"#define {name} {number}" for name, number in numbers.items()),
+        *_failure(component, sum(sizes[:2])),
         "static const Variable variables[N_VARIABLES] = {",
         *(f"    {row}," for row in rows),
         "};",
@@ -57,6 +58,14 @@ def component_header(component: Component, fmi: int, token: str, only_scalars: b
         "static const uint32_t first_variable[N_REFERENCES + 1] = {" + ", ".join(map(str, first)) + "};",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _failure(component: Component, state: int) -> list[str]:
+    """Return what a component says that finds no solution; `state` is the place of its first local variable."""
+    if not component.failure:
+        return []
+    place = state + len(component.of("local")) - 1
+    return [f"#define FAILURE {json.dumps(component.failure)}", f"#define FAILURE_PLACE {place}"]
 
 
 def _row(variable: Variable, place: int) -> str:

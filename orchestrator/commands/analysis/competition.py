@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_format
 import os
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +12,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from ..tools import Json, messages, screen
+from ..tools import Json, messages, say, screen
 
 
 def competition(  # noqa: PLR0913, PLR0917 - one argument per option
@@ -39,60 +39,48 @@ def competition(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Stopped half-way, it keeps what is done; called again, it goes on from there.
     """
+    from ...campaigns.competition import Starts, compete, competition_plan  # noqa: PLC0415 - loads scipy and dask
+    from ...campaigns.sweep import How  # noqa: PLC0415
     from ...figures.competition import draw_competition  # noqa: PLC0415
-    from ...runs.competition import compete, plan  # noqa: PLC0415 - loads scipy
     from ...runs.stopping import stop_on_signals  # noqa: PLC0415
 
-    trials = [
-        replace(trial, duration=duration, step=step)
-        for trial in plan(case, runs, seed, start_mode or [], stiffness or [])
-    ]
-    name = f"competition-{Path(case).stem}"
-    path = out / f"{name}.jsonl"
+    plan = competition_plan(case, Starts(runs, seed, start_mode or (), stiffness or ()), duration, step)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with (
         Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar,
         stop_on_signals() as stop_requested,
     ):
-        task = bar.add_task("runs", total=len(trials))
-        endings = compete(trials, path, jobs, lambda done, _: bar.update(task, completed=done), stop_requested)
-    groups = _groups(endings)
-    picture = out / f"{name}.png"
-    if endings:
-        draw_competition(case, groups, picture)
+        task = bar.add_task("runs", total=None)
+
+        def report(now: Any) -> None:
+            bar.update(task, total=now.wanted, completed=now.done + now.failed)
+
+        ended = compete(plan, out, How(workers=max(1, jobs), report=report, stop_requested=stop_requested))
+    picture = out / f"competition-{Path(case).stem}.png"
+    if ended.groups:
+        draw_competition(case, ended.groups, picture)
     if json:
-        typer.echo(json_format.dumps(_described(case, groups, path, picture, len(trials)), indent=1))
+        typer.echo(json_format.dumps(_described(case, ended, picture), indent=1))
     else:
-        _show(case, groups, path, picture)
-    if len(endings) < len(trials):
-        messages.print(
-            f"stopped after {len(endings)} of {len(trials)} runs; the same command goes on from there", highlight=False
-        )
+        _show(case, ended.groups, ended.store, picture)
+    for sentence in ended.failures:
+        say(f"failed: {sentence}")
+    if ended.done < ended.wanted and not ended.failures:
+        say(f"stopped after {ended.done} of {ended.wanted} runs; the same command goes on from there")
         raise typer.Exit(130)
 
 
-def _groups(endings: list[Any]) -> dict[str, list[Any]]:
-    """Return the tones by what was common to their starts, in words."""
-    from ...signals.tones import tones  # noqa: PLC0415
-
-    words: dict[str, list[Any]] = {}
-    for ending in sorted(endings, key=lambda e: (e.trial.stiffness or 0, e.trial.start_hz or 0)):
-        t = ending.trial
-        start = "random start" if t.start_hz is None else f"started at {t.start_hz:g} Hz"
-        spring = "" if t.stiffness is None else f", {t.stiffness:g} N/m"
-        words.setdefault(start + spring, []).append(ending)
-    return {key: tones(e.frequency_hz for e in group) for key, group in words.items()}
-
-
-def _described(case: str, groups: dict[str, list[Any]], path: Path, picture: Path, wanted: int) -> dict[str, Any]:
+def _described(case: str, ended: Any, picture: Path) -> dict[str, Any]:
     """Return the whole as one JSON object."""
+    groups = ended.groups
     return {
         "case": case,
-        "wanted": wanted,
-        "done": sum(t.count for found in groups.values() for t in found),
+        "wanted": ended.wanted,
+        "done": ended.done,
+        "failures": list(ended.failures),
         "confidence": 0.95,
         "starts": {key: [{**asdict(t), "share": t.share} for t in found] for key, found in groups.items()},
-        "runs": str(path),
+        "runs": str(ended.store),
         "picture": str(picture),
     }
 

@@ -49,9 +49,8 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
         modes = fit.modes if labels is None else like(fit.modes, read_wheel(labels))
         if out is not None:
             names = ", ".join(file.name for file in files)
-            write_wheel(
-                fit.modes, out, "measured wheel", f"modes fitted to the functions in {names} (fmus.wheel.measured)"
-            )
+            source = f"modes fitted to the functions in {names} (fmus.wheel.measured)"
+            write_wheel(modes, out, "measured wheel", source)
     if json:
         data = {"modes": len(modes), "labels": list(modes.labels), "quality": fit.quality, "notes": list(fit.notes)}
         screen.print_json(data={**data, "used": [dict(row) for row in fit.used]})

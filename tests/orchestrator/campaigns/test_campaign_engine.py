@@ -18,6 +18,7 @@ from orchestrator.campaigns.rows import DONE, FAILED
 from orchestrator.campaigns.stages import run_point
 from orchestrator.campaigns.sweep import How, checked, estimate, sweep
 from orchestrator.errors import InputError
+from orchestrator.limit_cycles.search import cycles_of
 from orchestrator.runs.identity import identity
 from orchestrator.runs.scenario import Scenario
 from orchestrator.stability.linear_model import model_of_assembly
@@ -95,6 +96,16 @@ def test_a_choice_sets_several_things_at_once() -> None:
     campaign, _, where = checked(plan)
     by_hand = Scenario("case3", values={"contact": {"mu0": 0.2, "falling_ratio": 0.0}}).prepare()
     assert identity(prepare(campaign, Workshop(), where[1]), campaign.settings) == identity(*by_hand)
+
+
+@pytest.mark.slow
+def test_limit_cycles_of_a_point_are_those_of_the_catalogue() -> None:
+    campaign, _, where = checked(plan_of('"contact.mu0" = [0.3]', compute='stage = "cycles"'))
+    row = run_point(campaign, Workshop(), 0, where[0])
+    assert row.status == DONE, row.message
+    found = cycles_of(Scenario("case3").prepare()[0], campaign.settings.step).cycles
+    assert row.values["cycles"] == len(found)
+    assert row.values["cycle_tone"] in [c.frequency_hz for c in found if c.stable]
 
 
 @pytest.mark.slow

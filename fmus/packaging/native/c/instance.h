@@ -270,8 +270,30 @@ static inline Status get_values(Instance *instance, Kind kind, Form form, const 
     return OK;
 }
 
+/* Say so if the outputs are no numbers. */
+static Status check_outputs(Instance *instance, double time) {
+    double sum = 0.0;
+    for (size_t i = 0; i < N_OUTPUTS; i++) {
+        sum += instance->state.memory[OUTPUTS_PLACE + i];
+    }
+    if (isfinite(sum)) {
+        return OK;
+    }
+#ifdef FAILURE
+    (void)time;
+    return say(instance, ERROR, FAILURE, instance->state.memory[FAILURE_PLACE]);
+#else
+    return say(instance, ERROR, "the outputs at %.9g s are not finite; an input or parameter is too large", time);
+#endif
+}
+
 static Status start_stepping(Instance *instance) {
     initialise_if_stale(instance);
+#ifdef FAILURE
+    if (check_outputs(instance, 0.0) != OK) {
+        return ERROR;
+    }
+#endif
     instance->state.phase = STEPPING;
     return OK;
 }
@@ -291,12 +313,8 @@ static Status step(Instance *instance, double time, double h) {
                    time, *reached);
     }
     curvesqueal_do_step(&result, &error, instance->state.memory, h);
-    double sum = 0.0;
-    for (size_t i = 0; i < N_OUTPUTS; i++) {
-        sum += instance->state.memory[OUTPUTS_PLACE + i];
-    }
-    if (!isfinite(sum)) {
-        return say(instance, ERROR, "the outputs at %.9g s are not finite; an input or parameter is too large", time + h);
+    if (check_outputs(instance, time + h) != OK) {
+        return ERROR;
     }
     instance->state.last_step = h;
     *reached = time + h;

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..stability.analysis import REPORTED_BELOW_HZ
-from ..stability.linear_model import model_of_assembly
-from ..stability.poles import Poles, Structure
-from .prepared import Prepared, structure_key
-from .rows import Number, Quantity
+from ...stability.analysis import REPORTED_BELOW_HZ
+from ...stability.linear_model import model_of_assembly
+from ...stability.poles import Poles, Structure
+from ..prepared import Prepared, structure_key
+from ..rows import Number, Quantity
 
 MOST_KEPT = 100
 """Structures that a process keeps."""

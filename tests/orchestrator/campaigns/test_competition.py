@@ -7,16 +7,20 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
+import xarray as xr
 from command_line import curvesqueal
 
+from orchestrator.campaigns.competition import Starts, competition_plan
+from orchestrator.campaigns.rows import DONE
+from orchestrator.campaigns.sampling import points
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError
-from orchestrator.runs.competition import START_VELOCITY, Trial, mode_start, plan, read_endings, run_trial
+from orchestrator.runs.starts import START_VELOCITY, mode_start
 from orchestrator.signals.tones import tones
 from orchestrator.system.reader import read_system
 
@@ -38,20 +42,20 @@ def test_confidence_interval_of_a_sure_thing(n: int) -> None:
 
 
 def test_plan_is_every_combination() -> None:
-    trials = plan("case1", 3, 7, [1100.0, 1976.0], [1.1e9, 1.2e9])
-    assert len(trials) == len(set(trials)) == 12
-    assert {t.seed for t in trials} == {7, 8, 9}
-    assert plan("case1", 1, 0, [], []) == [Trial("case1", 0)]
+    where = points(competition_plan("case1", Starts(3, 7, [1100.0, 1976.0], [1.1e9, 1.2e9])))
+    assert len(where) == len({tuple(where[k].values()) for k in range(12)}) == 12
+    assert set(where.columns["seed"].tolist()) == {7, 8, 9}
+    assert points(competition_plan("case1", Starts(1)))[0] == {"seed": 0}
 
 
 @pytest.mark.parametrize(
     ("how", "message"),
-    [((0, 0, [], []), "--runs 0: must be at least 1"), ((1, -1, [], []), "--seed -1: must be >= 0"),
-     ((1, 0, [], [-1.0]), "--stiffness -1: must be > 0")],
+    [((0,), "runs = 0: must be at least 1"), ((1, -1), "seed = -1: must be >= 0"),
+     ((1, 0, (), (-1.0,)), "stiffness = -1: must be > 0")],
 )  # fmt: skip
-def test_bad_plans_are_one_sentence(how: tuple[int, int, list[float], list[float]], message: str) -> None:
+def test_bad_plans_are_one_sentence(how: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        plan("case1", *how)
+        Starts(*how)
 
 
 def test_a_chosen_mode_starts_at_the_given_velocity(built: Path) -> None:
@@ -71,35 +75,21 @@ def test_a_mode_that_is_not_there_is_refused(built: Path) -> None:
         mode_start(wheel, {}, 700.0)
 
 
-def test_a_trial_repeats_with_its_seed_and_depends_on_it() -> None:
-    trial = Trial("case1", 3, duration=0.01)
-    first, again = run_trial(trial), run_trial(trial)
-    assert first == again
-    assert run_trial(replace(trial, seed=4)).lateral_rms != first.lateral_rms
-
-
+@pytest.mark.slow
 def test_runs_are_kept_and_not_made_again(tmp_path: Path) -> None:
-    """Two runs, then three: one more line in the file; a half-written last line is dropped."""
+    """Two runs, then three: the third store takes the rows of the first by their identity."""
     command = ("competition", "case1", "--duration", "0.005", "--jobs", "1", "--json", "--out", str(tmp_path))
     done = curvesqueal(*command, "--runs", "2")
     assert done.returncode == 0, done.stderr
-    path = tmp_path / "competition-case1.jsonl"
-    before = path.read_text()
-    path.write_text(before + '{"trial": {"system": "ca')
+    first = xr.open_zarr(json.loads(done.stdout)["runs"]).load()
     data = json.loads(curvesqueal(*command, "--runs", "3").stdout)
-    assert (data["done"], data["wanted"]) == (3, 3)
-    assert path.read_text().startswith(before)
-    assert len(read_endings(path)) == 3
+    assert (data["done"], data["wanted"], data["failures"]) == (3, 3, [])
+    second = xr.open_zarr(data["runs"]).load()
+    for name in ("identity", "seconds", "tone"):
+        assert second[name][:2].to_numpy().tolist() == first[name].to_numpy().tolist()
     shares = [tone["share"] for tone in data["starts"]["random start"]]
     assert sum(shares) == pytest.approx(1.0)
     assert (tmp_path / "competition-case1.png").stat().st_size > 5_000
-
-
-def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "competition-case1.jsonl"
-    path.write_text('{"hello": 1}\n')
-    with pytest.raises(InputError, match="line 1: is no trial of a competition; give another folder"):
-        read_endings(path)
 
 
 @pytest.mark.slow
@@ -107,14 +97,18 @@ def test_an_interrupted_competition_keeps_its_runs(tmp_path: Path) -> None:
     """Ctrl-C after the first run: exit code 130, a sentence, and the runs that were done."""
     command = [sys.executable, "-m", "orchestrator", "competition", "case2", "--runs", "50", "--duration", "0.05",
                "--jobs", "2", "--out", str(tmp_path)]  # fmt: skip
-    path = tmp_path / "competition-case2.jsonl"
+
+    def done() -> int:
+        stores = list(tmp_path.glob("competition-case2-*.zarr"))
+        return int((xr.open_zarr(stores[0])["status"].to_numpy() == DONE).sum()) if stores else 0
+
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         limit = time.monotonic() + 120
-        while not (path.exists() and path.stat().st_size > 0) and time.monotonic() < limit:
+        while not done() and time.monotonic() < limit:
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
     assert process.returncode == 130, err
     assert "of 50 runs; the same command goes on from there" in " ".join(err.split())
     assert "Traceback" not in err
-    assert 0 < len(read_endings(path)) < 50
+    assert 0 < done() < 50

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from fmus.modal.parameters import modal_velocities
 from fmus.wheel.wheelset import Wheelset
 
-from ..coupling.master import Master
-from ..errors import InputError
-from ..runs.attributes import all_parameters
-from ..signals.summary import sample_interval, summarise
-from ..sound.levels import sound_of
-from ..sound.wheelset import wheelset_of
-from .prepared import Prepared, structure_key
-from .rows import Number, Quantity
+from ...coupling.master import Master
+from ...errors import InputError
+from ...runs.attributes import all_parameters
+from ...signals.summary import sample_interval, summarise
+from ...sound.levels import sound_of
+from ...sound.wheelset import wheelset_of
+from ..prepared import Prepared, structure_key
+from ..rows import Number, Quantity
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr

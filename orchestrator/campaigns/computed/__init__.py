@@ -1,0 +1,1 @@
+"""What can be computed at a point: growth rates, limit cycles, a simulated run."""
