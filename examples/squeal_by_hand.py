@@ -17,7 +17,7 @@ from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
 from orchestrator.signals.limit_cycle import growth_of, limit_cycle
 from orchestrator.signals.spectra import a_weighted, level, narrow_band, third_octaves
-from orchestrator.sound.radiation import REFERENCE_PRESSURE, sound_of
+from orchestrator.sound.levels import REFERENCE_PRESSURE, sound_of
 from orchestrator.sound.wav import pressure_of, write_wav
 from orchestrator.stability.linear_model import model_of
 

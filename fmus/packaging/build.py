@@ -51,7 +51,7 @@ def build(
     built = components()
     cases = read_cases()
     files = ssp_files(built, cases)
-    used = {"wheel", *(case.rail for case in cases), *(contact_name(case, cases) for case in cases)}
+    used = {name for case in cases for name in (case.wheel, case.rail, contact_name(case, cases))}
     chosen = {name: c for name, c in built.items() if name in used or not only_cases}
     fmus = build_fmus(chosen, folder, target or default_target())
     for name in used:

@@ -10,6 +10,7 @@ from ..interface import DEFAULT_STEP
 from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
 from ..system.component import system
 from ..wheel.component import wheel
+from ..wheel.inferred import inferred
 from ..wheel.wheelset import DATA, read_wheelset
 from .ssp.structure import contacts, system_mobility
 
@@ -20,10 +21,14 @@ def components() -> dict[str, Component]:
     the_contact = contact(system_mobility([the_wheel, the_rail], DEFAULT_STEP))
     cases = read_cases()
     first = cases[0]
-    parts = {"wheel": the_wheel, "rail": the_rail, "rail-rigid": rigid, "contact": the_contact}
-    return {
+    wheels = {
         "wheel": the_wheel,
+        "wheel-inferred": wheel(inferred().modes),
         "wheel-generic840": wheel(read_wheelset(DATA / "generic840.toml").modes),
+    }
+    parts = {**wheels, "rail": the_rail, "rail-rigid": rigid, "contact": the_contact}
+    return {
+        **wheels,
         "rail": the_rail,
         "rail-paper": paper_rail(),
         "rail-rigid": rigid,

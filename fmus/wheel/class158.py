@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 from ..errors import DataError
 from ..modal.data import read_modal_data
@@ -27,9 +28,20 @@ def class158() -> Wheelset:
     DataError
         If the generic wheelset has other modes than when the amplitudes were identified.
     """
-    prior, data = read_wheelset(PRIOR), read_modal_data(MODES)
+    return on_finite_elements(MODES, PRIOR)
+
+
+def on_finite_elements(modes: Path, wheelset: Path) -> Wheelset:
+    """Return a modal data file with the nodal diameters and radiating areas of the finite elements it was made from.
+
+    Raises
+    ------
+    DataError
+        If the finite elements have other modes.
+    """
+    prior, data = read_wheelset(wheelset), read_modal_data(modes)
     if prior.modes.labels != data.modes.labels:
-        raise DataError(f"{MODES.name}: its modes are not those of {PRIOR.name}; identify the amplitudes anew")
+        raise DataError(f"{modes.name}: its modes are not those of {wheelset.name}; identify the amplitudes anew")
     return replace(prior, modes=data.modes, title=data.title)
 
 

@@ -19,7 +19,7 @@ from ..signals.summary import sample_interval, spectrum
 from .style import COLOURS, LINES, STYLE, WORDS
 
 if TYPE_CHECKING:
-    from ..sound.radiation import Sound
+    from ..sound.levels import Sound
 
 
 SHOWN_HZ = 6000.0

@@ -63,9 +63,8 @@ class LateralModel:
         wheel = self.fixed + shapes @ self.term.T
         out = []
         for case, contact in zip(CASES, self.contacts, strict=True):
-            Y_tt, Y_tn, Y_nn = wheel + self.rail if case in (1, 3) else wheel
-            share = Y_tn / (Y_nn + 1j * self.omega / contact.stiffness)
-            out.append(contact.H1[1, 1] * (Y_tt - Y_tn * share) - contact.h2[1] * share)
+            Y = wheel + self.rail if case in (1, 3) else wheel
+            out.append(lateral_locus(Y, self.omega, contact.stiffness, contact.H1[1, 1], -contact.h2[1]))
         return out
 
     def crossings(self, lateral: Real, normal: Real) -> Crossings:
@@ -73,10 +72,10 @@ class LateralModel:
         shape = (len(CASES), len(self.cells))
         frequency, gain, top, further = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
         for i, locus in enumerate(self.loci(lateral, normal)):
-            for j, window in enumerate(self.window):
-                value = locus[window]
+            for j, near in enumerate(self.window):
+                value = locus[near]
                 top[i, j] = value.real.max()
-                f, g = clockwise_crossings(self.omega[window] / (2 * np.pi), value)
+                f, g = clockwise_crossings(self.omega[near] / (2 * np.pi), value)
                 if g.size:
                     best = g.argmax()
                     frequency[i, j], gain[i, j] = f[best], g[best]
@@ -129,24 +128,50 @@ def lateral_model(modes: Modes, free: Sequence[int], rail: Mobility, contacts: S
     rail : mobility of the rail of Cases 1 and 3
     contacts : linearised contact of each case; all at one contact angle
     """
-    windows = [_window(modes, cell) for cell in CELL_MODES]
+    windows = [window(modes, cell) for cell in CELL_MODES]
     ends = np.cumsum([0] + [w.size for w in windows])
     omega = 2 * np.pi * np.concatenate(windows)
     turn = contacts[0].turn
-    w0, zeta, w = modes.omega[list(free)], modes.zeta[list(free)], omega[:, None]
     rest = modes.keep(np.setdiff1d(np.arange(len(modes)), free))
     return LateralModel(
         omega=omega,
         cells=CELL_MODES,
         window=tuple(slice(int(a), int(b)) for a, b in pairwise(ends)),
-        term=1j * w / (w0**2 - w**2 + 2j * zeta * w0 * w),
-        fixed=_lateral_and_normal(turn @ mobility(omega, rest) @ turn.T),
-        rail=_lateral_and_normal(turn @ rail(omega) @ turn.T),
+        term=modal_terms(omega, modes.omega[list(free)], modes.zeta[list(free)]),
+        fixed=lateral_and_normal(turn @ mobility(omega, rest) @ turn.T),
+        rail=lateral_and_normal(turn @ rail(omega) @ turn.T),
         contacts=tuple(contacts),
     )
 
 
-def _window(modes: Modes, cell: str) -> Real:
+def modal_terms(omega: Real | Complex, natural: Real, zeta: Real) -> Complex:
+    """Return the mobilities of modes with unit amplitude, (m, n).
+
+    Parameters
+    ----------
+    omega : (m,) angular frequencies, may be complex [rad/s]
+    natural, zeta : (n,) natural angular frequencies [rad/s] and damping ratios
+    """
+    w = omega[:, None]
+    return np.asarray(1j * w / (natural * natural - w * w + 2j * zeta * natural * w))
+
+
+def lateral_locus(Y: Complex, omega: Real | Complex, stiffness: float, slope: float, friction: float) -> Complex:
+    """Return the lateral eigenlocus by the scalar formula of `Loop.lateral`, (m,).
+
+    Parameters
+    ----------
+    Y : (3, m) lateral, cross and normal mobility of wheel and rail, contact axes
+    omega : (m,) angular frequencies, may be complex [rad/s]
+    stiffness : of the contact spring [N/m]
+    slope, friction : of the lateral force over velocity [N s/m] and over the normal force [-]
+    """
+    Y_tt, Y_tn, Y_nn = Y
+    share = Y_tn / (Y_nn + 1j * omega / stiffness)
+    return np.asarray(slope * (Y_tt - Y_tn * share) + friction * share)
+
+
+def window(modes: Modes, cell: str) -> Real:
     """Return the frequencies of a cell [Hz]: near its mode a third of half the half-power bandwidth apart."""
     i = modes.labels.index(f"{cell} cosine")
     low, high = WINDOWS_HZ[cell]
@@ -156,6 +181,6 @@ def _window(modes: Modes, cell: str) -> Real:
     return np.unique(np.concatenate([np.arange(low, high, _SHOULDER_HZ), peak]))
 
 
-def _lateral_and_normal(Y: Complex) -> Complex:
+def lateral_and_normal(Y: Complex) -> Complex:
     """Return the lateral, cross and normal entries, (3, m)."""
     return np.stack([Y[:, 1, 1], Y[:, 1, 2], Y[:, 2, 2]])

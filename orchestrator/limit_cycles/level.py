@@ -10,7 +10,9 @@ from fmus.modal.modes import Modes
 from fmus.wheel.wheelset import Wheelset
 
 from ..signals.spectra import a_weighted, level
-from ..sound.radiation import REFERENCE_PRESSURE, fitting_wheelset, sound_power, sound_pressure
+from ..sound.levels import REFERENCE_PRESSURE
+from ..sound.radiation import sound_power, sound_pressure
+from ..sound.wheelset import fitting_wheelset
 from ..stability.poles import Structure
 from .measures import Motion
 

@@ -144,7 +144,7 @@ def _friction_and_wheel(figures: Path) -> list[Item]:
 def _parameters() -> list[Item]:
     """Return Tables 1 to 3."""
     values = Instance(contact_component()).parameters
-    cases = {int(case.name.removeprefix("case")): case for case in read_cases()}
+    cases = {int(case.name.removeprefix("case")): case for case in read_cases() if case.family == "case"}
 
     def rows(printed: tuple[Printed, ...]) -> tuple[Row, ...]:
         ours = [float(values[p.parameter]) * p.scale for p in printed]

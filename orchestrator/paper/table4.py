@@ -10,9 +10,10 @@ import numpy as np
 
 from fmus.cases import read_cases
 
+from ..errors import InputError
 from ..published.table4 import CASES, CELL_MODES, PaperTable, read_paper_table
 from ..stability.analysis import Stability, analyse
-from ..stability.cases import CLASS158, case_inputs, find_rail, find_wheel
+from ..stability.cases import WHEELS, case_inputs, find_rail, find_wheel
 from ..stability.eigenloci import Crossing
 
 FAR = 0.07
@@ -115,8 +116,25 @@ def _cell(frequency_hz: float, paper: PaperTable) -> str | None:
     return CELL_MODES[int(distance.argmin())] if distance.min() < FAR else None
 
 
-def find_table4(rail: str | None = None, wheel: str | None = None) -> Table4:
-    """Return Table 4 for a wheel and a rail; Cases 2 and 4 have a rigid rail always."""
-    the_wheel, the_rail = find_wheel(wheel or CLASS158), find_rail(rail or "analytic")
-    cases = sorted(read_cases(), key=lambda case: case.name)
+FAMILIES = {"printed": "case", "inferred": "inferred"}
+"""What the four cases of a table are called, and how their names begin."""
+
+
+def find_table4(rail: str | None = None, wheel: str | None = None, cases_of: str = "printed") -> Table4:
+    """Return Table 4 for a wheel and a rail; Cases 2 and 4 have a rigid rail always.
+
+    Parameters
+    ----------
+    rail, wheel : None: analytical rail, wheel of the cases
+    cases_of : key of `FAMILIES`
+
+    Raises
+    ------
+    InputError
+        For an unknown family, wheel or rail.
+    """
+    if cases_of not in FAMILIES:
+        raise InputError(f"cases {cases_of}: must be {' or '.join(FAMILIES)}")
+    cases = sorted((c for c in read_cases() if c.family == FAMILIES[cases_of]), key=lambda case: case.name)
+    the_wheel, the_rail = find_wheel(wheel or WHEELS[cases[0].wheel]), find_rail(rail or "analytic")
     return compare({n: analyse(*case_inputs(case, the_wheel, the_rail)) for n, case in enumerate(cases, start=1)})

@@ -14,7 +14,7 @@ from ..figures.run import draw_directions, draw_sound
 from ..published.cases import CASES, PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
-from ..sound.radiation import Sound, sound_of
+from ..sound.levels import Sound, sound_of
 from ..stability.analysis import REPORTED_BELOW_HZ
 from ..stability.linear_model import model_of
 from .page import Item, Row

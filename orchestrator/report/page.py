@@ -17,7 +17,7 @@ from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.spectra import regular
 from ..signals.summary import sample_interval
-from ..sound.radiation import Sound, sound_of
+from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import LinearModel, model_of
 from ..stability.scheme import growth_of_scheme

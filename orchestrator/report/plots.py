@@ -20,7 +20,7 @@ from ..stability.eigenloci import Crossing, Eigenloci
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
-    from ..sound.radiation import Sound
+    from ..sound.levels import Sound
 
 Real = NDArray[np.float64]
 Trace = dict[str, Any]

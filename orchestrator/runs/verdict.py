@@ -12,7 +12,8 @@ from fmus.modal.parameters import modal_velocities
 from ..errors import InputError
 from ..signals.limit_cycle import SQUEAL_VELOCITY, limit_cycle
 from ..signals.summary import Summary
-from ..sound.radiation import Sound, sound_of, wheelset_of
+from ..sound.levels import Sound, sound_of
+from ..sound.wheelset import wheelset_of
 from ..stability.scheme import Spurious
 
 if TYPE_CHECKING:  # xarray takes a second to import

@@ -1,4 +1,4 @@
-"""Sound of the wheel by an engineering method: modal velocities and radiating areas in, power, pressure and levels out.
+"""Sound of the wheel by an engineering method: modal velocities and radiating areas in, power and pressure out.
 
 After Thompson and Jones (J. Sound Vib. 253 (2002) 401-419): each mode radiates rho c (sigma_a A_a + sigma_r A_r) q'^2,
 with radiation ratios by number of nodal diameters for axial and radial motion. Modes add by power. The coefficients
@@ -7,43 +7,25 @@ are not in the paper, so they are varied from `QUIET` to `LOUD` and the result c
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fmus.modal.data import read_modal_data
-from fmus.modal.parameters import block_of, modal_velocities
-from fmus.wheel.areas import estimated_wheelset
-from fmus.wheel.class158 import class158
-from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
+from fmus.modal.parameters import modal_velocities
+from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
-from ..results.columns import MODAL_VELOCITIES
-from ..signals.spectra import a_weighted, level, narrow_band, third_octaves, total
+from ..signals.spectra import narrow_band
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
 Real = NDArray[np.float64]
 
-REFERENCE_PRESSURE = 2e-5
-"""Reference of sound pressure levels [Pa]."""
-
-REFERENCE_POWER = 1e-12
-"""Reference of sound power levels [W]."""
-
-LOWEST_BAND_HZ = 100.0
-"""Lowest one-third-octave band of a result [Hz]; nothing of a wheel radiates below."""
-
 _KAPPA = (1.90, 1.015, -0.0189)
 """Coefficients of the reduced frequency k r at which the axial motion of n nodal diameters begins to radiate."""
-
-_SAME_FREQUENCY = 1e-3
-"""Relative distance of natural frequencies within which a wheel counts as one that is known."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +110,20 @@ def _high_pass(frequency_hz: ArrayLike, corner: float, order: int) -> Real:
 
 
 def power_per_velocity(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, radiation: Radiation) -> Real:
-    """Return the radiated power of one mode per mean-square modal velocity [W/(kg m2/s2)]."""
+    """Return the radiated power of one mode per mean-square modal velocity [W/(kg m2/s2)].
+
+    Notes
+    -----
+    No more than the damping of the mode takes, 2 zeta omega: sound is a part of what is dissipated. Without the bound a
+    weakly damped mode, and the upper end of the band of a level, would radiate energy that nothing gave.
+    """
+    dissipated = 2 * wheelset.modes.zeta[mode] * wheelset.modes.omega[mode]
+    factor: Real = np.minimum(_unbounded(frequency_hz, wheelset, mode, radiation), dissipated)
+    return factor
+
+
+def _unbounded(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, radiation: Radiation) -> Real:
+    """Return rho c sigma A of a mode."""
     n = int(wheelset.nodal_diameters[mode])
     axial = axial_ratio(frequency_hz, n, radiation) * wheelset.area_axial[mode]
     radial = radiation.radial_share * radial_ratio(frequency_hz, n, radiation) * wheelset.area_radial[mode]
@@ -136,88 +131,17 @@ def power_per_velocity(frequency_hz: ArrayLike, wheelset: Wheelset, mode: int, r
     return factor
 
 
-def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheelset:
-    """Return the wheelset of a results file, whose radiating areas are needed.
+def radiation_damping(wheelset: Wheelset, radiation: Radiation | None = None) -> Real:
+    """Return the damping ratio that every mode has by its own sound alone, (n,).
 
-    Parameters
-    ----------
-    data : results with the wheel's parameters and modal velocities
-    wheel : a wheelset, name of a shipped one or a file such as those in fmus/wheel/data; None: the shipped one that
-        has the natural frequencies, and most nearly the shapes, of the results
-
-    Raises
-    ------
-    InputError
-        If no wheelset fits.
+    Notes
+    -----
+    zeta_rad = rho c sigma A/(2 omega) at the natural frequency: what one wheel radiates over the energy of its mode.
+    A lower bound of the damping ratio.
     """
-    if isinstance(wheel, Wheelset):
-        return wheel
-    count = len(modal_velocities("wheel", data.data_vars))
-    if count == 0:
-        raise InputError(
-            f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
-            f"run again and record '{MODAL_VELOCITIES}'"
-        )
-    if wheel is not None:
-        chosen = _named(wheel)
-        if len(chosen.modes) != count:
-            raise InputError(f"wheel {wheel}: has {len(chosen.modes)} modes, {_source(data)} has {count}")
-        return chosen
-    frequency = _block(data, "frequency")
-    found = fitting_wheelset(frequency, _block(data, "shape_lat")) if frequency.size == count else None
-    if found is not None:
-        return found
-    raise InputError(
-        f"{_source(data)}: its wheel is none of {', '.join(shipped())}, so its radiating areas are not known; "
-        "name a wheel, or give its file"
-    )
-
-
-def fitting_wheelset(frequency_hz: Real, shape_lat: Real) -> Wheelset | None:
-    """Return the shipped wheelset that has these natural frequencies [Hz] and most nearly these lateral shapes.
-
-    None if none has. Without shapes (empty) the first one is taken.
-    """
-    fitting = [
-        candidate
-        for candidate in map(_named, shipped())
-        if len(candidate.modes) == frequency_hz.size
-        and np.allclose(candidate.modes.omega / (2 * np.pi), frequency_hz, rtol=_SAME_FREQUENCY)
-    ]
-    if not fitting:
-        return None
-    size = shape_lat.size
-    return min(fitting, key=lambda w: float(np.abs(w.modes.shape[:, 1] - shape_lat).sum()) if size else 0.0)
-
-
-def shipped() -> list[str]:
-    """Return the names of the wheelsets whose radiating areas are known."""
-    return [*sorted(path.stem for path in DATA.glob("*840.toml")), "class158"]
-
-
-def _named(wheel: str) -> Wheelset:
-    """Return the wheelset of a name or file."""
-    if wheel == "class158":
-        return class158()
-    path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
-    try:
-        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
-            data = read_modal_data(path)
-            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
-            return estimated_wheelset(data.modes, title)
-        return read_wheelset(path)
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
-
-
-def _block(data: xr.Dataset, block: str) -> Real:
-    """Return a parameter of all modes of the wheel, such as 'frequency'; empty if the results do not tell it."""
-    values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get("wheel", {})
-    return block_of(block, values)
-
-
-def _source(data: xr.Dataset) -> str:
-    return str(data.encoding.get("source", "the results"))
+    how, omega = radiation or Radiation(), wheelset.modes.omega
+    power = [_unbounded(w / (2 * np.pi), wheelset, i, how) for i, w in enumerate(omega)]
+    return np.asarray(power) / (2 * omega)
 
 
 def modal_spectra(data: xr.Dataset, resolution_hz: float = 2.0) -> xr.DataArray:
@@ -245,78 +169,22 @@ def sound_power(spectra: xr.DataArray, wheelset: Wheelset, radiation: Radiation 
     wheelset : radiating areas of the same modes
     """
     how = radiation or Radiation()
-    frequency, squares = np.asarray(spectra["frequency"]), np.asarray(spectra)
+    frequency = np.asarray(spectra["frequency"])
     lines = np.zeros(frequency.size)
-    for n in np.unique(wheelset.nodal_diameters):
-        own = wheelset.nodal_diameters == n
-        lines += axial_ratio(frequency, int(n), how) * (wheelset.area_axial[own] @ squares[own])
-        lines += how.radial_share * radial_ratio(frequency, int(n), how) * (wheelset.area_radial[own] @ squares[own])
-    power = spectra.isel(mode=0, drop=True).copy(data=how.density * how.sound_speed * lines).rename("sound_power")
+    for i, squares in enumerate(np.asarray(spectra)):
+        if squares.any():
+            lines += power_per_velocity(frequency, wheelset, i, how) * squares
+    power = spectra.isel(mode=0, drop=True).copy(data=lines).rename("sound_power")
     return power.assign_attrs(units="W", long_name="radiated sound power by line")
+
+
+def dissipated_power(spectra: xr.DataArray, wheelset: Wheelset) -> float:
+    """Return the power that the damping of the wheel takes [W], the radiated one included."""
+    squares = np.asarray(spectra).sum(axis=1)
+    return float(2 * (wheelset.modes.zeta * wheelset.modes.omega) @ squares)
 
 
 def sound_pressure(power: xr.DataArray, radiation: Radiation | None = None) -> xr.DataArray:
     """Return the mean-square pressure at the receiver by line [Pa2] of a spectrum of radiated power [W]."""
     pressure = (power * (radiation or Radiation()).pressure_per_power).rename("sound_pressure")
     return pressure.assign_attrs({**power.attrs, "units": "Pa^2", "long_name": "mean-square sound pressure by line"})
-
-
-@dataclass(frozen=True)
-class Sound:
-    """The sound of a run at the receiver.
-
-    Attributes
-    ----------
-    narrow : (frequency,) mean-square pressure by line [Pa2]
-    bands : (band,) level in one-third-octave bands, not weighted [dB]
-    level_dba : A-weighted level [dB(A)]; minus infinity for silence
-    low_dba, high_dba : the same between which the doubtful coefficients put it
-    power_db : sound power level [dB re 1 pW]
-    wheelset : whose radiating areas were taken
-    """
-
-    narrow: xr.DataArray
-    bands: xr.DataArray
-    level_dba: float
-    low_dba: float
-    high_dba: float
-    power_db: float
-    wheelset: str
-
-
-def sound_of(
-    data: xr.Dataset,
-    wheel: str | Wheelset | None = None,
-    radiation: Radiation | None = None,
-    resolution_hz: float = 2.0,
-) -> Sound:
-    """Return the sound of the second half of a run.
-
-    Raises
-    ------
-    InputError
-        If the results hold no modal velocities, are too short for the resolution, or belong to an unknown wheel.
-    """
-    wheelset, nominal = wheelset_of(data, wheel), radiation or Radiation()
-    spectra = modal_spectra(data.isel(time=slice(data.sizes["time"] // 2, None)), resolution_hz)
-
-    def pressure(how: Radiation) -> xr.DataArray:
-        return sound_pressure(sound_power(spectra, wheelset, how), how)
-
-    narrow = pressure(nominal)
-    with np.errstate(divide="ignore"):
-        power_db = float(10 * np.log10(total(narrow) / nominal.pressure_per_power / REFERENCE_POWER))
-    return Sound(
-        narrow=narrow,
-        bands=level(third_octaves(narrow, LOWEST_BAND_HZ), REFERENCE_PRESSURE),
-        level_dba=_dba(narrow),
-        low_dba=_dba(pressure(replace(nominal, **QUIET))),
-        high_dba=_dba(pressure(replace(nominal, **LOUD))),
-        power_db=power_db,
-        wheelset=wheelset.title,
-    )
-
-
-def _dba(pressure: xr.DataArray) -> float:
-    """Return the A-weighted level of a spectrum of pressure [dB(A)]."""
-    return float(level(a_weighted(pressure).sum(), REFERENCE_PRESSURE))

@@ -22,7 +22,9 @@ from fmus.wheel.wheelset import Wheelset
 
 from ..errors import InputError
 from ..signals.spectra import regular, sample_interval_of, total
-from .radiation import REFERENCE_PRESSURE, Radiation, modal_spectra, power_per_velocity, sound_power, wheelset_of
+from .levels import REFERENCE_PRESSURE
+from .radiation import Radiation, modal_spectra, power_per_velocity, sound_power
+from .wheelset import wheelset_of
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr

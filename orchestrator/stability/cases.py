@@ -31,6 +31,9 @@ from .analysis import Stability, Structures, analyse
 from .loop import Mobility, linear_contact, of_modes, of_track, remembered, rigid
 
 CLASS158 = "class158"
+WHEELS = {"wheel": CLASS158, "wheel-inferred": "inferred"}
+"""Wheel of a case's FMU, by its file name without suffix."""
+
 RIGID_RAIL = "rail-rigid"
 ROUND_BODIES = 1.2e9
 """By Hertz for a wheel of 0.42 m radius on a rail head of 0.30 m; for wheels that no gain was fitted to [N/m]."""
@@ -183,5 +186,5 @@ def find_stability(case: str, rail: str | None = None, wheel: str | None = None)
     if known is None:
         return analyse(*system_inputs(case, wheel, rail))
     if known.rail == RIGID_RAIL and rail not in {None, "analytic", "modal"}:
-        raise InputError(f"rail {rail}: {case} has a rigid rail; take case1 or case3")
-    return analyse(*case_inputs(known, find_wheel(wheel or CLASS158), find_rail(rail or "analytic")))
+        raise InputError(f"rail {rail}: {case} has a rigid rail; take {known.family}1 or {known.family}3")
+    return analyse(*case_inputs(known, find_wheel(wheel or WHEELS[known.wheel]), find_rail(rail or "analytic")))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -207,14 +207,23 @@ def frequency_grid(
 
 
 def clockwise_crossings(frequency_hz: Real, value: Complex) -> tuple[Real, Real]:
-    """Return frequencies and gains where a locus crosses the positive real axis from above.
+    """Return frequencies and gains where a locus crosses the positive real axis from above."""
+    i = clockwise_intervals(value)
+    return crossing_between(frequency_hz[i], frequency_hz[i + 1], value[i], value[i + 1])
+
+
+def clockwise_intervals(value: Complex) -> NDArray[np.int64]:
+    """Return the numbers of the points after which a locus crosses the positive real axis from above."""
+    i = np.flatnonzero((value.imag[:-1] > 0) & (value.imag[1:] <= 0))
+    _, gain = crossing_between(i, i + 1, value[i], value[i + 1])
+    return np.asarray(i[gain > 0])
+
+
+def crossing_between(before_hz: ArrayLike, after_hz: ArrayLike, before: Complex, after: Complex) -> tuple[Real, Real]:
+    """Return frequencies and gains of crossings of the real axis between two points each.
 
     Interpolates 1 / lambda, which is linear near a resonance.
     """
-    i = np.flatnonzero((value.imag[:-1] > 0) & (value.imag[1:] <= 0))
-    a, b = 1 / value[i], 1 / value[i + 1]
+    a, b, first = 1 / before, 1 / after, np.asarray(before_hz, dtype=float)
     share = a.imag / (a.imag - b.imag)
-    inverse = a.real + share * (b.real - a.real)
-    keep = inverse > 0
-    f = frequency_hz[i] + share * (frequency_hz[i + 1] - frequency_hz[i])
-    return f[keep], 1 / inverse[keep]
+    return first + share * (np.asarray(after_hz) - first), 1 / (a.real + share * (b.real - a.real))

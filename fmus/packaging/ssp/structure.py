@@ -30,7 +30,7 @@ def system_mobility(structures: list[Component], step_size: float) -> dict[str, 
 
 def contact_values(components: Mapping[str, Component], case: Case) -> dict[str, float]:
     """Return the parameters of the contact that a case sets, with the interface mobility of its wheel and rail."""
-    return {**case.contact, **system_mobility([components["wheel"], components[case.rail]], case.step_size)}
+    return {**case.contact, **system_mobility([components[case.wheel], components[case.rail]], case.step_size)}
 
 
 def contacts(components: Mapping[str, Component], cases: Sequence[Case]) -> dict[str, Component]:
@@ -53,18 +53,18 @@ def ssp_files(components: Mapping[str, Component], cases: tuple[Case, ...]) -> d
 
     Parameters
     ----------
-    components : by FMU file name without suffix: wheel, contact, and every rail that a case names
+    components : by FMU file name without suffix: contact, and every wheel and rail that a case names
     cases : the first one becomes SystemStructure.ssd
     """
     files = {}
     for number, case in enumerate(cases):
-        parts = {"wheel": components["wheel"], "rail": components[case.rail], "contact": components["contact"]}
+        parts = {"wheel": components[case.wheel], "rail": components[case.rail], "contact": components["contact"]}
         values = {
             "wheel": {STEP_SIZE: case.step_size},
             "rail": {STEP_SIZE: case.step_size},
             "contact": contact_values(components, case),
         }
-        fmus = {"wheel": "wheel", "rail": case.rail, "contact": contact_name(case, cases)}
+        fmus = {"wheel": case.wheel, "rail": case.rail, "contact": contact_name(case, cases)}
         for name, component in parts.items():
             files[f"resources/{name}-{case.name}.ssv"] = to_bytes(_parameter_set(component, values[name]))
         ssd = "SystemStructure.ssd" if number == 0 else f"{case.name}.ssd"

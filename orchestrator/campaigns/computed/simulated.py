@@ -17,7 +17,8 @@ from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
 from ...signals.summary import sample_interval, summarise
-from ...sound.radiation import sound_of, wheelset_of
+from ...sound.levels import sound_of
+from ...sound.wheelset import wheelset_of
 from ..prepared import Prepared, structure_key
 from ..rows import Number, Quantity
 

@@ -16,7 +16,10 @@ from ..tools import Json, messages, say, screen
 
 
 def competition(  # noqa: PLR0913, PLR0917 - one argument per option
-    case: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    case: Annotated[
+        str,
+        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    ],
     runs: Annotated[int, typer.Option(help="Starts for every start mode and stiffness.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the first start; the next ones count up.")] = 0,
     start_mode: Annotated[

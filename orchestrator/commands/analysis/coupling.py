@@ -15,7 +15,10 @@ from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
 
 
 def coupling(
-    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    system: Annotated[
+        str,
+        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    ],
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     values: Values = None,
     replace: Replace = None,

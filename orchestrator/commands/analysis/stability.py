@@ -17,12 +17,18 @@ RailOption = Annotated[
     str | None, typer.Option(help="analytic (default for a case), modal, or an .fmu file; a rigid rail stays rigid.")
 ]
 WheelOption = Annotated[
-    str | None, typer.Option(help="class158 (default for a case), generic840, straight840, a .toml or an .fmu file.")
+    str | None,
+    typer.Option(
+        help="class158 and inferred (defaults of the cases), generic840, straight840, a .toml or an .fmu file."
+    ),
 ]
 
 
 def stability(
-    case: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    case: Annotated[
+        str,
+        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    ],
     rail: RailOption = None,
     wheel: WheelOption = None,
     json: Json = False,

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from ..tools import Force, Json, require_free, require_suffix, screen
+
+if TYPE_CHECKING:  # xarray takes a second to import
+    from ...sound.levels import Sound
 
 Wheel = Annotated[
     str | None, typer.Option(help="Wheelset whose radiating areas to take; default: the one of the results.")
@@ -26,7 +30,8 @@ def listen(
 ) -> None:
     """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it."""
     from ...results.file import open_results  # noqa: PLC0415
-    from ...sound.radiation import Radiation, sound_of  # noqa: PLC0415 - loads scipy and xarray
+    from ...sound.levels import RailSound, sound_of  # noqa: PLC0415 - loads scipy and xarray
+    from ...sound.radiation import Radiation  # noqa: PLC0415
     from ...sound.wav import pressure_of, write_wav  # noqa: PLC0415
 
     path = results.with_suffix(".wav") if out is None else out
@@ -39,7 +44,11 @@ def listen(
         sound = sound_of(data, wheel, radiation, max(2.0, 1.01 / half))
         calibration = write_wav(pressure, path, f"{data.attrs['case']}, {results.name}")
     if json:
-        levels = {"level_dba": sound.level_dba, "low_dba": sound.low_dba, "high_dba": sound.high_dba}
+        levels = {
+            "level_dba": sound.level_dba, "low_dba": sound.low_dba, "high_dba": sound.high_dba,
+            "radiated_share": sound.radiated_share, "total_dba": sound.total_dba,
+            "rail": asdict(sound.rail) if isinstance(sound.rail, RailSound) else {"unknown": sound.rail},
+        }  # fmt: skip
         typer.echo(_as_json({"file": str(path), **asdict(calibration), **levels}))
         return
     screen.print(
@@ -51,6 +60,22 @@ def listen(
         highlight=False,
         soft_wrap=True,
     )
+    for line in further(sound):
+        screen.print(line, highlight=False, soft_wrap=True)
+
+
+def further(sound: Sound) -> list[str]:
+    """Return what there is to say about the energy and about the rail, in sentences."""
+    lines = []
+    if sound.radiated_share is not None:
+        lines.append(f"The wheel radiates {100 * sound.radiated_share:.0f} % of what its damping takes.")
+    if isinstance(sound.rail, str):
+        lines.append(f"The rail's sound is not known: {sound.rail}.")
+    elif np.isfinite(sound.rail.level_dba):
+        lines.append(f"The rail alone makes {sound.rail.level_dba:.1f} dB(A), both {sound.total_dba:.1f} dB(A).")
+    else:
+        lines.append("The rail does not move, so it is silent.")
+    return lines
 
 
 def _as_json(data: dict[str, object]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as json_format
+from typing import Annotated
 
 import typer
 from rich.table import Table
@@ -11,10 +12,16 @@ from ...paper.table4 import Cell, find_table4
 from ..analysis.stability import RailOption, WheelOption
 from ..tools import Json, screen
 
+CasesOption = Annotated[
+    str, typer.Option("--cases", help="printed: case1 to case4; inferred: inferred1 to inferred4.", metavar="FAMILY")
+]
 
-def table4(json: Json = False, rail: RailOption = None, wheel: WheelOption = None) -> None:
+
+def table4(
+    json: Json = False, rail: RailOption = None, wheel: WheelOption = None, cases: CasesOption = "printed"
+) -> None:
     """Print Table 4 of the paper next to ours: frequency and loop gain, cell by cell."""
-    result = find_table4(rail, wheel)
+    result = find_table4(rail, wheel, cases)
     if json:
         typer.echo(json_format.dumps(result.as_json(), indent=2))
         return

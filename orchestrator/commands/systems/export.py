@@ -14,7 +14,10 @@ from ..tools import Force, Json, Replace, Seed, Values, messages, parse_sources,
 
 
 def export(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    system: Annotated[
+        str,
+        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    ],
     out: Annotated[Path, typer.Argument(metavar="OUT.ssp", help="File to write.")],
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system says.")] = None,

@@ -30,7 +30,10 @@ CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between
 
 
 def run(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
+    system: Annotated[
+        str,
+        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    ],
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,

@@ -75,7 +75,7 @@ def test_system_structure_is_valid_against_the_ssp_schema(pattern: str, schema: 
 
 def test_each_case_has_its_own_name() -> None:
     names = [etree.parse(file).getroot().get("name") for file in sorted(SSP_FOLDER.glob("*.ssd"))]
-    assert sorted(names) == ["case1", "case2", "case3", "case4"]
+    assert sorted(names) == [f"{family}{number}" for family in ("case", "inferred") for number in (1, 2, 3, 4)]
 
 
 @pytest.mark.parametrize(

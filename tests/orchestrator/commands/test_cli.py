@@ -161,7 +161,7 @@ def test_user_mistakes_are_one_sentence(
     absolute = hostile_zip(tmp_path / "absolute.fmu", "/etc/outside.txt")
     missing = tmp_path / "missing.ssp"
     mistakes = {
-        ("run", "case5"): "case5: neither a case (case1, case2, case3, case4) nor an .ssp or .ssd file",
+        ("run", "case5"): "case5: neither a case (case1, case2, case3, case4, inferred1, inferred2, inferred3, ",
         ("run", str(missing)): "no such SSP file",
         ("run", str(text)): "not a zip archive",
         ("run", str(escape)): "entry '../outside.txt' would be unpacked outside the folder; refused",

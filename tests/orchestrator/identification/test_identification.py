@@ -109,7 +109,8 @@ def test_shipped_amplitudes_are_those_of_the_report() -> None:
     """The report's numbers come from the amplitudes in class158.toml; the cases have the same stiffness."""
     shipped = assess_shipped()
     assert log_error(shipped) == pytest.approx(REPORT["fit"]["rms_ln_gain"], abs=1e-4)
-    assert {case.contact["hertz_stiffness"] for case in read_cases()} == {identified_stiffness()}
+    printed = [case for case in read_cases() if case.family == "case"]
+    assert {case.contact["hertz_stiffness"] for case in printed} == {identified_stiffness()}
 
 
 def test_growth_limits_are_those_of_the_whole_system() -> None:

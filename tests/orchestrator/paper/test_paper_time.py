@@ -19,7 +19,7 @@ from orchestrator.results.file import open_results
 from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
 from orchestrator.signals.limit_cycle import LimitCycle, growth_of, limit_cycle
-from orchestrator.sound.radiation import sound_of
+from orchestrator.sound.levels import sound_of
 from orchestrator.stability.linear_model import model_of
 from orchestrator.stability.poles import exact_poles
 

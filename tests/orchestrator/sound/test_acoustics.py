@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,16 +11,18 @@ from hypothesis import strategies as st
 from synthetic_results import generic, mode_number, vibrating
 
 from orchestrator.errors import InputError
+from orchestrator.sound.levels import sound_of
 from orchestrator.sound.radiation import (
+    LOUD,
     Radiation,
     axial_ratio,
     modal_spectra,
     power_per_velocity,
     radial_ratio,
-    sound_of,
+    radiation_damping,
     sound_power,
-    wheelset_of,
 )
+from orchestrator.sound.wheelset import wheelset_of
 
 
 def test_axial_motion_begins_to_radiate_at_the_published_frequencies() -> None:
@@ -83,6 +87,46 @@ def test_sum_over_wave_numbers_equals_the_sum_over_modes() -> None:
     modes = enumerate(np.asarray(spectra))
     one_by_one = sum(power_per_velocity(frequency, generic(), i, Radiation()) @ own for i, own in modes)
     assert float(sound_power(spectra, generic()).sum()) == pytest.approx(float(one_by_one), rel=1e-9)
+
+
+def test_radiation_damping_is_radiated_power_over_energy() -> None:
+    """A mode that only radiates loses 2 zeta omega q'^2, its energy being q'^2: zeta = rho c sigma A/(2 omega)."""
+    how, i = Radiation(), mode_number("(3,0)")
+    omega = generic().modes.omega[i]
+    power = 1.2 * 343 * (
+        axial_ratio(1102.0, 3, how) * generic().area_axial[i] + radial_ratio(1102.0, 3, how) * generic().area_radial[i]
+    )  # fmt: skip
+    assert radiation_damping(generic())[i] == pytest.approx(power / (2 * omega), rel=1e-12)
+
+
+@given(st.floats(20, 20_000), st.floats(0.5, 3), st.floats(0.2, 2), st.integers(0, 100))
+def test_no_mode_radiates_more_than_its_damping_takes(f: float, share: float, factor: float, mode: int) -> None:
+    """Whatever the coefficients, at any frequency: 2 zeta omega q'^2 is all there is."""
+    how = Radiation(radial_share=share, axial_factor=factor, radial_factor=factor)
+    modes = generic().modes
+    assert power_per_velocity(f, generic(), mode, how) <= 2 * modes.zeta[mode] * modes.omega[mode] * (1 + 1e-12)
+
+
+def test_share_of_a_single_mode_is_its_radiation_damping() -> None:
+    """(3,0) of the finite elements radiates 99 % of what it dissipates; with loud coefficients all, not more."""
+    data = vibrating({"(3,0)": (1102.0, 1.0)})
+    i = mode_number("(3,0)")
+    share = radiation_damping(generic())[i] / generic().modes.zeta[i]
+    assert sound_of(data).radiated_share == pytest.approx(share, abs=2e-3)
+    assert 0.985 < share < 1
+    loud = Radiation(**{k: v for k, v in LOUD.items() if not k.endswith("_db")})
+    assert sound_of(data, radiation=loud).radiated_share == pytest.approx(1.0, abs=1e-6)
+
+
+def test_the_wheel_has_the_damping_of_the_run() -> None:
+    """Twice the damping of the wheel: half the share."""
+    data = vibrating({"(3,0)": (1102.0, 1.0)})
+    values = json.loads(data.attrs["all_parameters"])
+    values["wheel"] |= {f"damping_ratio_{k + 1:03d}": 2 * z for k, z in enumerate(generic().modes.zeta)}
+    damped = data.assign_attrs(all_parameters=json.dumps(values))
+    ours, theirs = sound_of(data).radiated_share, sound_of(damped).radiated_share
+    assert ours is not None
+    assert theirs == pytest.approx(ours / 2, rel=1e-6)
 
 
 def test_twice_the_distance_is_6_db_less() -> None:

@@ -13,7 +13,7 @@ import xarray as xr
 from synthetic_results import vibrating
 
 from orchestrator.errors import InputError
-from orchestrator.sound.radiation import sound_of
+from orchestrator.sound.levels import sound_of
 from orchestrator.sound.wav import RATE_HZ, compressed, pressure_of, write_wav
 
 TONE = 1102.0
