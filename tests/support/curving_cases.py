@@ -84,5 +84,5 @@ def stiffness_of_creep() -> tuple[float, float]:
     i = Instance(vehicle())
     a, b = i.parameters[P.semi_axis_lon], i.parameters[P.semi_axis_lat]
     area = i.parameters[P.shear_modulus] * a * b
-    c11, c22, _ = creepage_coefficients(float(a), float(b), float(i.parameters[P.poisson_ratio]))
+    c11, c22 = creepage_coefficients(float(a), float(b), float(i.parameters[P.poisson_ratio]))[:2]
     return float(area * c11), float(area * c22)
