@@ -59,7 +59,7 @@ def creepage_coefficients(
     a power of a/b on narrow ellipses; quadratic in nu through the reciprocals. Within 1.2 % of CONTACT up to a/b = 6.7.
 
     >>> [round(c, 3) for c in creepage_coefficients(2.0, 1.0, 0.28)]
-    [5.204, 4.971, 2.657, 0.801]
+    [5.204, 4.971, 2.657, 0.799]
     """
     side = 1 if semi_axis_lon > semi_axis_lat else 0
     g = min(semi_axis_lon / semi_axis_lat, semi_axis_lat / semi_axis_lon)

@@ -185,7 +185,11 @@ def test_what_cannot_be_translated_is_said_with_its_place(kernel: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fixture", "make", "steps", "moving"), [("native", Slave, 10_000, 5e-4), ("native3", Slave3, 500, 5e-5)]
+    ("fixture", "make", "steps", "moving"),
+    [
+        pytest.param("native", Slave, 10_000, 5e-4, marks=pytest.mark.slow),
+        ("native3", Slave3, 500, 5e-5),
+    ],
 )
 def test_compiled_sources_give_the_native_numbers(
     request: pytest.FixtureRequest, fixture: str, make: Any, steps: int, moving: float, tmp_path: Path
