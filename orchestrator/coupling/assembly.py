@@ -13,16 +13,13 @@ from fmus.interface import DISPLACEMENT_DIRECTIONS, PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
+from ..fmi.types import plain_type
 from ..system.model import Element, System, Wire
 from ..system.values import component_values, elements_of, known, resized, through, variable_unit
 from .bonds import Bond, Link, _bonds, integrated_sides
 from .dependencies import Coupling, Node
 from .rates import period
 from .swaps import without_rigid
-
-_INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
-_TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
-"""Types of FMI 3.0 and SSP 2.0 that earlier versions call otherwise."""
 
 CONNECTABLE = {
     *((kind, kind) for kind in ("Real", "Integer", "Boolean", "Enumeration")),
@@ -158,7 +155,7 @@ def _check_connectors(element: Element, fmu: Fmu) -> None:
             raise InputError(
                 f"connector {element.name}.{name}: is {connector.kind} in the SSD and {variable.causality} in the FMU"
             )
-        told, own = (_TYPES.get(str(t), str(t)) for t in (connector.type, variable.type))
+        told, own = (plain_type(str(t)) for t in (connector.type, variable.type))
         if connector.type is not None and told != own:
             raise InputError(
                 f"connector {element.name}.{name}: is {connector.type} in the SSD and {variable.type} in the FMU"

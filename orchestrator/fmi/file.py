@@ -20,16 +20,13 @@ from fmpy.model_description import ModelDescription, ScalarVariable
 from ..archive import sha256, unpack, zip_faults
 from ..errors import Fault, InputError
 from .description import read_description
+from .types import plain_type
 
 Value = float | int | bool | str
 
 WHOLE = ("Integer", "Enumeration", "Boolean")
 NUMERIC = ("Real", *WHOLE)
 """Types that can be exchanged and recorded as numbers, and those of them that are whole numbers."""
-
-_INTEGERS = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
-_TYPES = {"Float64": "Real", "Float32": "Real", **dict.fromkeys(_INTEGERS, "Integer")}
-"""Types of FMI 3.0 under the names of FMI 2.0; those that are not listed keep theirs."""
 
 
 @dataclass(frozen=True)
@@ -219,7 +216,7 @@ def _elements(declared: ScalarVariable, structure: Mapping[str, int]) -> Iterato
         yield Variable(
             name=f"{declared.name}[{','.join(map(str, index))}]" if shape else declared.name,
             array=declared.name,
-            type=_TYPES.get(declared.type, declared.type),
+            type=plain_type(declared.type),
             fmi_type=declared.type,
             causality=declared.causality or "local",
             variability=declared.variability,

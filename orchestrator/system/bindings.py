@@ -9,15 +9,15 @@ from lxml import etree
 
 from ..errors import Fault
 from ..fmi.instance import Value
+from ..fmi.types import INTEGERS
 from .model import Hop, Parameter
 from .xml import SSD, SSM, SSV, Document, local
 
 _MIME = "application/x-ssp-"
 
-_INTEGERS = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 _READERS: dict[str, Callable[[str], Value]] = {
     **dict.fromkeys(("Real", "Float64", "Float32"), float),
-    **dict.fromkeys(_INTEGERS, int),
+    **dict.fromkeys(("Integer", *INTEGERS), int),
     "Boolean": lambda text: text.strip() in ("true", "1"),
     "String": str,
     "Enumeration": str,
