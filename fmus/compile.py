@@ -11,7 +11,6 @@ from collections import namedtuple
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 Kernel = Callable[..., Any]
@@ -29,7 +28,7 @@ def kernel(function: Kernel) -> Kernel:
     before = config.CACHE_DIR
     compiled: Kernel
     try:
-        config.CACHE_DIR = _cache_folder()
+        config.CACHE_DIR = _cache_folder(function.__module__)
         compiled = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
         compiled = numba.njit(error_model="numpy")(function)
@@ -39,19 +38,23 @@ def kernel(function: Kernel) -> Kernel:
 
 
 @cache
-def _cache_folder() -> str:
-    """Return where compiled kernels are kept; "" for Numba's default, beside the source.
+def _cache_folder(module: str) -> str:
+    """Return where the compiled kernels of a module are kept; "" for Numba's default, beside the source.
 
     Numba looks for changes in the file of a kernel only, not in those of the kernels that it calls. So the name of the
-    folder carries a hash of all sources. An FMU has such a name already.
+    folder carries a hash of all that the module imports of this package. An FMU has such a name already.
     """
     if __package__ != "fmus":
         return ""
     from platformdirs import user_cache_path  # noqa: PLC0415 - not there in an FMU
 
+    from fmus.sources import PACKAGE, files_of  # noqa: PLC0415 - not there in an FMU
+
+    own = module.startswith("fmus.")
+    files = files_of(module.removeprefix("fmus.")) if own else sorted(map(str, PACKAGE.rglob("*.py")))
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(path.read_bytes())
+    for name in files:
+        digest.update((PACKAGE / name).read_bytes())
     return str(user_cache_path("curvesqueal") / "kernels" / digest.hexdigest()[:16])
 
 

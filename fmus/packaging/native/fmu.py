@@ -18,13 +18,13 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import fmpy
 
 from ...component import Component
+from ...sources import PACKAGE, files_of
 from ..archive import write_files
 from ..c99.translator import translate
 from ..description.documentation import documentation_files
 from ..description.fmi2 import model_description
 from ..description.fmi3 import model_description3
 from ..description.terminals import terminal_files
-from ..sources import PACKAGE, kernel_files
 from .linker import FLAGS, Compiler, find_compiler, link
 from .lowering import lower, sizes_of
 from .platforms import PLATFORMS, Platform
@@ -160,7 +160,7 @@ def _build_description(identifier: str) -> bytes:
 
 def _kernel_text(component: Component) -> bytes:
     """Return the Python sources that the kernels come from."""
-    return b"".join((PACKAGE / name).read_bytes() for name in kernel_files(component))
+    return b"".join((PACKAGE / name).read_bytes() for name in files_of(component.kernels))
 
 
 def _provenance(

@@ -13,6 +13,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
+from .kept import keep, kept, key_of
 from .platforms import PLATFORMS, Platform, this_platform
 
 FLAGS = (
@@ -60,7 +61,7 @@ def find_compiler(platform: str) -> Compiler | None:
 
 
 def link(compiler: Compiler, platform: Platform, sources: Sequence[str], output: str, folder: Path) -> Path:
-    """Compile and link `sources` to the shared library `output`, all by their names in `folder`.
+    """Compile and link `sources` to the shared library `output`, all by their names in `folder`; or take the kept one.
 
     Relative names and no symbols: the library does not depend on where it was built.
 
@@ -69,13 +70,22 @@ def link(compiler: Compiler, platform: Platform, sources: Sequence[str], output:
     RuntimeError
         If the compiler fails.
     """
-    command = [*compiler.command, *FLAGS, "-I.", "-o", output, *sources]
+    arguments = [*FLAGS, "-I.", "-o", output, *sources]
     if compiler.is_zig:
-        command += ["-target", platform.zig]
+        arguments += ["-target", platform.zig]
     if platform.suffix == ".so":
-        command += ["-lm", "-Wl,--build-id=none", "-Wl,--no-undefined", "-Wl,-z,noexecstack"]
-    command += ["-s"]
+        arguments += ["-lm", "-Wl,--build-id=none", "-Wl,--no-undefined", "-Wl,-z,noexecstack"]
+    arguments += ["-s"]
+    inputs = [part for path in sorted(folder.iterdir()) for part in (path.name, path.read_bytes())]
+    key = key_of([compiler.name, *arguments, *inputs])
+    library = folder / output
+    content = kept(key)
+    if content is not None:
+        library.write_bytes(content)
+        return library
+    command = [*compiler.command, *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{compiler.name} cannot link {output} for {platform.name}: {done.stderr.strip()}")
-    return folder / output
+    keep(key, library.read_bytes())
+    return library

@@ -14,14 +14,18 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import re
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ...component import Component, Instance
+from ...sources import PACKAGE, files_of
+from .kept import keep, kept, key_of
 
 PREFIX = "curvesqueal_"
 C_FUNCTIONS = {
@@ -47,34 +51,54 @@ NOTHING = re.compile(r"(define [^\n]*@NRT_(?:in|de)cref\([^\n]*\{)\n.*?\n\}", re
 
 
 def lower(components: Mapping[str, Component], triples: Iterable[str], folder: Path) -> dict[tuple[str, str], Path]:
-    """Write the object files of components into `folder`; return them by name and triple.
+    """Write the object files of components into `folder`, the kept ones without compiling; return them by name and triple.
 
     Parameters
     ----------
     components : by a name for their files
     triples : LLVM's names of the platforms
-    folder : also gets NAME.ll, the kernels in LLVM's language
+    folder : also gets NAME.TRIPLE.ll of what was compiled, the kernels in LLVM's language
     """
     kinds = {name: (c.kernels, tuple(sizes_of(c))) for name, c in components.items()}
     first = {kind: name for name, kind in reversed(kinds.items())}  # the same kernels and sizes are compiled once
-    specification = {
-        "components": {name: list(kind) for kind, name in first.items()},
-        "triples": sorted(triples),
-        "folder": str(folder),
-    }
+    wanted = sorted(triples)
+    keys = {(name, triple): _key(kind, triple) for kind, name in first.items() for triple in wanted}
+    found = {each: kept(key) for each, key in keys.items()}
+    missing = {name: list(kind) for kind, name in first.items() if any(found[name, t] is None for t in wanted)}
+    if missing:
+        _lower_in_a_process({"components": missing, "triples": wanted, "folder": str(folder)})
+    for (name, triple), key in keys.items():
+        path, content = folder / f"{name}.{triple}.o", found[name, triple]
+        if name in missing:
+            keep(key, path.read_bytes())
+        elif content is not None:
+            path.write_bytes(content)
+    return {(name, t): folder / f"{first[kind]}.{t}.o" for name, kind in kinds.items() for t in wanted}
+
+
+def _key(kind: tuple[str, tuple[int, ...]], triple: str) -> str:
+    """Return under which name an object file is kept: a hash of its kernels, of this file and of the compilers."""
+    kernels, sizes = kind
+    texts = [(PACKAGE / name).read_bytes() for name in files_of(kernels)]
+    tools = [platform.python_version(), *(version(name) for name in ("numba", "llvmlite"))]
+    return key_of([kernels, repr(sizes), triple, *tools, Path(__file__).read_bytes(), *texts])
+
+
+def _lower_in_a_process(specification: Mapping[str, Any]) -> None:
+    """Run this module for the baseline of each architecture.
+
+    Raises
+    ------
+    RuntimeError
+        If a kernel cannot be compiled.
+    """
     environment = {**os.environ, "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_OPT": "1"}
-    command = [sys.executable, "-m", __name__]
     done = subprocess.run(
-        command, input=json.dumps(specification), env=environment, cwd=Path(__file__).parents[3],
-        capture_output=True, text=True, check=False,
+        [sys.executable, "-m", __name__], input=json.dumps(specification), env=environment,
+        cwd=Path(__file__).parents[3], capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode:
         raise RuntimeError(f"the kernels could not be compiled: {done.stderr.strip()}")
-    return {
-        (name, triple): folder / f"{first[kind]}.{triple}.o"
-        for name, kind in kinds.items()
-        for triple in specification["triples"]
-    }
 
 
 def sizes_of(component: Component) -> list[int]:

@@ -17,10 +17,10 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from ...component import Component
+from ...sources import PACKAGE, files_of
 from ..archive import write_archive
 from ..description.documentation import documentation_files
 from ..description.terminals import terminal_files
-from ..sources import PACKAGE, files_of, kernel_files
 
 SLAVE = "packaging.python.slave"
 """The module that every FMU runs."""
@@ -53,7 +53,7 @@ def build_python_fmu(component: Component, file: Path, version: str) -> Path:
     """
     sources = {
         name: (PACKAGE / name).read_bytes()
-        for name in sorted({"__init__.py", *files_of(SLAVE), *kernel_files(component)})
+        for name in sorted({"__init__.py", *files_of(SLAVE), *files_of(component.kernels)})
     }
     sources["declaration.py"] = f"DECLARATION = {component.to_json()!r}\n".encode()
     digest = hashlib.sha256()

@@ -23,6 +23,7 @@ from fmus.modal.component import structure
 from fmus.modal.modes import Modes
 from fmus.packaging.build import build_fmu, build_fmus
 from fmus.packaging.catalogue import components
+from fmus.packaging.native.kept import NOTHING_KEPT
 from fmus.packaging.target import Target
 
 LIBRARIES = {"libc.so.6", "libm.so.6"}
@@ -76,12 +77,14 @@ def test_every_function_of_co_simulation_is_there(request: pytest.FixtureRequest
     assert [n for n in sorted(wanted) if not hasattr(library, n)] == []
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_two_native_builds_give_the_same_bytes(
-    native: Path, declared: dict[str, Component], name: str, tmp_path: Path
+@pytest.mark.parametrize("names", [["rail"], pytest.param(NAMES, marks=pytest.mark.slow)])
+def test_a_build_without_kept_files_gives_the_same_bytes(
+    native: Path, declared: dict[str, Component], names: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file = build_fmus({name: declared[name]}, tmp_path, Target("native"))[name]
-    assert file.read_bytes() == (native / f"{name}.fmu").read_bytes()
+    monkeypatch.setenv(NOTHING_KEPT, "1")
+    files = build_fmus({name: declared[name] for name in names}, tmp_path, Target("native"))
+    for name, file in files.items():
+        assert file.read_bytes() == (native / f"{name}.fmu").read_bytes(), name
 
 
 @pytest.mark.parametrize("name", NAMES)

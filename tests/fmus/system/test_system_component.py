@@ -15,7 +15,7 @@ from fmus.cases import read_cases
 from fmus.component import Component, Instance
 from fmus.contact.layout import D
 from fmus.packaging.catalogue import components
-from fmus.packaging.sources import kernel_files
+from fmus.sources import files_of
 from fmus.system.layout import INPUTS, N_CONTACT_DERIVED
 
 CASE = read_cases()[0].contact
@@ -156,7 +156,7 @@ def test_the_example_runs(native: Path, monkeypatch: pytest.MonkeyPatch, capsys:
 
 
 def test_an_fmu_carries_what_its_kernels_import(declared: dict[str, Component]) -> None:
-    files = kernel_files(declared["curvesqueal"])
+    files = files_of(declared["curvesqueal"].kernels)
     assert {"system/kernels.py", "modal/kernels.py", "contact/kernels.py", "creep/fastsim.py", "compile.py"} <= set(
         files
     )
