@@ -51,7 +51,7 @@ NOTHING = re.compile(r"(define [^\n]*@NRT_(?:in|de)cref\([^\n]*\{)\n.*?\n\}", re
 
 
 def lower(components: Mapping[str, Component], triples: Iterable[str], folder: Path) -> dict[tuple[str, str], Path]:
-    """Write the object files of components into `folder`, the kept ones without compiling; return them by name and triple.
+    """Write the object files of components into `folder`, kept ones or compiled; return them by name and triple.
 
     Parameters
     ----------
