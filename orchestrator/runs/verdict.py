@@ -11,6 +11,7 @@ from fmus.modal.parameters import modal_velocities
 
 from ..errors import InputError
 from ..signals.limit_cycle import SQUEAL_VELOCITY, limit_cycle
+from ..signals.spectra import regular
 from ..signals.summary import Summary
 from ..sound.levels import Sound, sound_of
 from ..sound.wheelset import wheelset_of
@@ -129,6 +130,7 @@ def _mode(data: xr.Dataset, tone_hz: float) -> str | None:
     near = np.flatnonzero(np.abs(modes.omega / (2 * np.pi * tone_hz) - 1) < NEAR)
     if len(names) != len(modes.labels) or not near.size:
         return None
+    data = regular(data)  # of a last row after a fault the modal velocities are not known
     half = data.sizes["time"] // 2
     squares = [float(np.square(np.asarray(data[names[i]][half:], dtype=float)).mean()) for i in near]
     label: str = modes.labels[near[int(np.argmax(squares))]]
