@@ -5,8 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from foreign_fmus import foreign_fmu, variable
 from plain_rails import KILO, plain_rail
+from table_fmus import COMPILER
 
+from fmus.interface import DIRECTIONS
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.contact_mobility import contact_mobility
 from orchestrator.coupling.settings import Settings
@@ -85,4 +88,20 @@ def test_velocities_in_and_forces_out_are_refused(native: Path) -> None:
     texts += [f"u_{d}=wheel_u_{d}" for d in ("lat", "ver")]
     report = check_rail(native / "contact.fmu", texts)
     causality = next(c for c in report.checks if c.name == "causality")
+    assert causality.detail == "it takes velocities and gives forces; a rail must take forces and give velocities"
+
+
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler for the rail")
+def test_a_run_refuses_an_impedance_in_one_sentence(native: Path, tmp_path: Path) -> None:
+    """The contract's names with the causality turned round."""
+    turned = "".join(
+        variable(f"{kind}_{d}", 8 * (kind == "v") + k, causality, start=0 if causality == "input" else None)
+        for kind, causality in (("v", "input"), ("f", "output"))
+        for k, d in enumerate(DIRECTIONS)
+    )
+    rail = foreign_fmu(tmp_path / "impedance.fmu", turned, depends="")
+    said = r"rail\.f_lon: is input in the SSD and output in the FMU; a structure must take forces and give velocities"
+    with pytest.raises(InputError, match=said):
+        tried(native, rail)
+    causality = next(c for c in check_rail(rail).checks if c.name == "causality")
     assert causality.detail == "it takes velocities and gives forces; a rail must take forces and give velocities"
