@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from .errors import DamageWarning, InputError, SimulationError
+from .fmi.exit_guard import tell_who_ends_the_process
 
 Table = dict[str, tuple[str, str]]
 """Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
@@ -193,6 +194,7 @@ def main() -> None:
     PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
     it anyway: the libraries of FMUs get no chance to do more.
     """
+    tell_who_ends_the_process()
     keep_standard_output()
     code = command_line()
     sys.stdout.flush()

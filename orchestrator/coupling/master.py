@@ -247,7 +247,7 @@ class Master:
         h, every, progress = self.settings.step, self.settings.record_every, self.progress
         clock = (self.assembly.system.start, h, progress.total, self.stop)
         columns = len(self.signals())
-        size = max(every, 100)
+        size = 1  # a step may take long
         while progress.steps < end and not progress.ended:
             steps = min(size, end - progress.steps)
             rows = np.empty((steps // every + 2, columns))
@@ -266,7 +266,7 @@ class Master:
             yield self._times(numbers), rows[:count]
             if fault:
                 raise SimulationError(self._explain(what, where, status, self._times(np.array([progress.steps]))[0]))
-            size = int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 4 * size)) // every * every or every
+            size = max(1, int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 8 * size)))
 
     def _times(self, numbers: NDArray[np.int64]) -> Rows:
         """Return the times after steps of these numbers, as the components were told them."""
@@ -308,6 +308,8 @@ class Master:
         instance = list(self.instances.values())[where]
         if status == loop.STOOD:
             return f"{instance.name}: doStep returned early {at} without getting on{instance.last_message()}"
+        if status == loop.OUTSIDE:
+            return f"{instance.name}: {_CALLS[what]} returned a status that FMI does not have {at}"
         if status == loop.TOO_LARGE:
             return f"{instance.name}: an input does not hold the whole number that is connected to it, {at}"
         said = STATUS[status] if status < len(STATUS) else str(status)

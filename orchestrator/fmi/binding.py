@@ -181,7 +181,7 @@ class Fmi2(Binding):
             instanceName=name,
         )
         self.slave.unzipDirectory = str(self.folder.path)  # where it looks for resources; the library is loaded
-        guard_exit(fmu.folder)
+        guard_exit(fmu.folder, fmu.path)
 
     def instantiate(self) -> None:
         """Make the instance."""

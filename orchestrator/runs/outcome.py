@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..coupling.master import Progress, Settings
+from ..plain_json import dumps
 from ..results.file import open_results
 from ..signals.summary import Summary
 from ..stability.scheme import Spurious
@@ -78,4 +78,4 @@ def as_json(outcome: Outcome) -> str:
         "results": str(outcome.results),
         "picture": None if outcome.picture is None else str(outcome.picture),
     }
-    return json.dumps(data, allow_nan=False, indent=1)
+    return dumps(data)

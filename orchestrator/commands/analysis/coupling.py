@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +9,7 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
+from ...plain_json import dumps
 from ...runs.scenario import Scenario
 from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
 
@@ -40,7 +40,7 @@ def coupling(
     except InputError as reason:
         raise InputError(f"{system}: no growth rates can be given: {reason}") from None
     if json:
-        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        typer.echo(dumps(data))
         return
     screen.print(_modes(data, f"{Path(system).name}: growth rates [1/s] below {BELOW_HZ:g} Hz at {settings.step:g} s"))
     screen.print(_summary(data))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace as with_fields
@@ -14,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from ...errors import InputError
+from ...plain_json import dumps
 from ...runs.scenario import Scenario
 from ..tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
 
@@ -63,7 +63,7 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
     if out is not None:
         draw(found, name, tone, out)
     if json:
-        typer.echo(json_format.dumps(as_json(name, found), indent=1, allow_nan=False))
+        typer.echo(dumps(as_json(name, found)))
         return
     show(found, f"{name}: tones")
 
@@ -93,7 +93,7 @@ def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool]
         draw_branches(branches, name).savefig(out, dpi=200)
     if json:
         data = {"case": name, "branches": [branch_as_json(b) for b in branches]}
-        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        typer.echo(dumps(data))
         return
     for c, branch in zip(found.cycles, branches, strict=True):
         screen.print(f"{c.frequency_hz:.2f} Hz against {parameter_name}: {branch.words}", highlight=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +9,7 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
+from ...plain_json import dumps
 from ..tools import Json, screen
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
     else:
         found = _map(data, str(x), str(y), colour, out or store.with_suffix(f".{colour}.png"))
     if json:
-        typer.echo(json_format.dumps(found, indent=1, allow_nan=False))
+        typer.echo(dumps(found))
     else:
         screen.print(_table(found))
         screen.print(found["picture"], highlight=False, soft_wrap=True)
