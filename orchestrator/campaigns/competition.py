@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..runs.scenario import Scenario
 from ..signals.tones import Tone, tones
 from .plan import Plan, make_plan
 from .rows import DONE, FAILED
@@ -70,10 +71,15 @@ class Ended:
     store: Path
 
 
-def competition_plan(system: str, starts: Starts, duration: float | None = None, step: float | None = None) -> Plan:
-    """Return the plan of a competition: every start and stiffness with every seed."""
-    where: dict[str, Any] = {"file" if Path(system).suffix else "case": system}
-    where |= {name: value for name, value in (("duration", duration), ("step", step)) if value is not None}
+def competition_plan(scenario: Scenario, starts: Starts) -> Plan:
+    """Return the plan of a competition: every start and stiffness of a scenario with every seed."""
+    where: dict[str, Any] = {"file" if Path(scenario.system).suffix else "case": scenario.system}
+    how = {"duration": scenario.duration, "step": scenario.step}
+    where |= {name: value for name, value in how.items() if value is not None}
+    if scenario.values:
+        where["set"] = {f"{c}.{name}": value for c, own in scenario.values.items() for name, value in own.items()}
+    if scenario.sources:
+        where["replace"] = {name: str(file.absolute()) for name, file in scenario.sources.items()}
     vary: dict[str, Any] = {}
     if starts.stiffness:
         vary[_SPRING] = list(dict.fromkeys(starts.stiffness))

@@ -19,33 +19,24 @@ from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
 from ...errors import SimulationError
 from ...runs import run as running
-from ...runs import treatments
+from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
+from ..options import System, changes_system
+from ..tools import Json, Seed, messages, notice, say, screen
 
 Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
 
 CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between checkpoints [s].")]
 
 
-def run(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+@changes_system
+def run(  # noqa: PLR0913 - one argument per option
+    system: System,
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Values = None,
-    replace: Replace = None,
-    damp: Annotated[
-        list[str] | None,
-        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
-    ] = None,
-    rail: Annotated[
-        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
-    ] = None,
+    *,
+    changes: Changes,
     seed: Seed = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
@@ -67,18 +58,11 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
     """
-    sources, given = parse_sources(replace or []), parse_values(values or [])
-    if rail is not None:
-        sources["rail"] = treatments.rail_named(rail)
-    if damp:
-        given = treatments.damping_values(system, sources, given, damp)
-    scenario = Scenario(
-        system=system,
+    scenario = changes.scenario(
+        system,
         duration=duration,
         step=step,
         algorithm=algorithm,
-        values=given,
-        sources=sources,
         seed=seed,
         record_every=record_every,
         record=patterns(record),
