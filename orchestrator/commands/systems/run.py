@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from ...coupling import master
 from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
 from ...errors import SimulationError
@@ -22,7 +18,8 @@ from ...runs import run as running
 from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
 from ..options import System, changes_system
-from ..tools import Json, Seed, messages, notice, say, screen
+from ..progress import run_bar
+from ..tools import Json, Seed, notice, say, screen
 
 Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
 
@@ -70,7 +67,7 @@ def run(  # noqa: PLR0913 - one argument per option
         strict=strict,
     )
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.run_scenario(
             scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
         )
@@ -84,7 +81,7 @@ def resume(
     json: Json = False,
 ) -> None:
     """Go on with a run from its checkpoint, to the bit as if it had never stopped; the results file grows."""
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.resume(checkpoint, running.Report(progress, notice, csv), checkpoint_every)
     _tell(outcome, json)
 
@@ -102,25 +99,6 @@ def _tell(outcome: Outcome, json: bool) -> None:
         raise typer.Exit(130)
     if outcome.progress.ended is not None:
         notice(outcome.progress.ended)
-
-
-@contextmanager
-def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
-    """Show a bar on the error stream, with simulated time and time to go."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
-    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
-        task = bar.add_task("loading", total=None, now="")
-
-        def report(progress: master.Progress) -> None:
-            bar.update(
-                task,
-                description="simulating",
-                total=progress.total,
-                completed=progress.steps,
-                now=f"{progress.steps / progress.total:.0%}",
-            )
-
-        yield report
 
 
 def _show(outcome: Outcome) -> None:
