@@ -33,7 +33,7 @@ def level(system: str, tone: float, step: float) -> float:
 
 def main(system: str, tones: tuple[str, ...]) -> None:
     """Print the table of a system."""
-    table = Table(title=f"{system}: rms of the wheel's lateral velocity [m/s] and its error", title_justify="left")
+    table = Table(title=f"{system}: rms of the wheel's lateral velocity in m/s, and its error", title_justify="left")
     for heading in ("tone [Hz]", "cycle", *(f"{1e6 * step:g} us" for step in STEPS)):
         table.add_column(heading, justify="right")
     for tone in map(float, tones):
