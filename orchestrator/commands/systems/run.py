@@ -35,6 +35,10 @@ def run(  # noqa: PLR0913 - one argument per option
     *,
     changes: Changes,
     seed: Seed = None,
+    start_cycle: Annotated[
+        float | None,
+        typer.Option(help="Start on the limit cycle near this frequency [Hz], as `cycle` finds it: no growth phase."),
+    ] = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
         list[str] | None,
@@ -66,6 +70,10 @@ def run(  # noqa: PLR0913 - one argument per option
         timeout=timeout if isolate else None,
         strict=strict,
     )
+    if start_cycle is not None:
+        from ...runs.starts import on_cycle  # noqa: PLC0415 - compiles the cycles' kernels
+
+        scenario = on_cycle(scenario, start_cycle)
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with run_bar() as progress:
         outcome = running.run_scenario(
