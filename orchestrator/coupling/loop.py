@@ -31,19 +31,9 @@ from .loop_calls import (
 OK, SET, STEP, GET, NOT_FINITE, SAVE, RESTORE, NOT_CONVERGED = range(8)
 """What `advance` was doing when it stopped; OK: nothing wrong."""
 
-ENDED, STOOD, TOO_LARGE, OUTSIDE = 16, 17, 18, 19
+ENDED, STOOD, TOO_LARGE = 6, 7, 8
 """In the place of an FMI status: the component ends the simulation, returns early without getting on, or does not hold
-a value of its input, or answers with a status that the standard does not have."""
-
-_LAST_STATUS = 5
-"""Largest status of FMI 2.0, "pending"; FMI 3.0 ends at "fatal"."""
-
-
-@njit(inline="always")
-def _known(status):  # type: ignore[no-untyped-def]
-    """Return an FMI status, or `OUTSIDE` for what is none."""
-    return status if 0 <= status <= _LAST_STATUS else OUTSIDE
-
+a value of its input."""
 
 Transfers = namedtuple(
     "Transfers",
@@ -133,7 +123,7 @@ def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untype
         for i in range(begin, end):
             k = transfers.place[i]
             values.real[k], values.word[k] = unpack(layout, address, transfers.slot[i])
-    return _known(status)
+    return status
 
 
 @njit(inline="always")
@@ -187,13 +177,11 @@ def _do_step(plan, c, number, clock):  # type: ignore[no-untyped-def]
         step = stop - begin
     final = 1 if plan.sweeps[0] == 1 else 0  # whether the state before the step will not be asked for again
     if plan.version[c] == 2:
-        made: int = call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
-        return _known(made)
+        return call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
     answer = plan.answer.ctypes.data + 16 * c
     end = begin + step
     while True:
         status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
-        status = _known(status)
         ends, early, reached = flag(answer, 1), flag(answer, 2), plan.answer[c, 1]
         if status > 2 or not (ends or early):
             return status
@@ -235,7 +223,6 @@ def _states(plan, functions, saving):  # type: ignore[no-untyped-def]
     for c in range(plan.handle.size):
         argument = plan.state.ctypes.data + 8 * c if saving else plan.state[c]
         status: int = call_state(functions[c], plan.handle[c], argument)  # type: ignore[call-arg]
-        status = _known(status)
         if status > 1:
             return (SAVE if saving else RESTORE), c, status
     return OK, 0, 0

@@ -308,8 +308,6 @@ class Master:
         instance = list(self.instances.values())[where]
         if status == loop.STOOD:
             return f"{instance.name}: doStep returned early {at} without getting on{instance.last_message()}"
-        if status == loop.OUTSIDE:
-            return f"{instance.name}: {_CALLS[what]} returned a status that FMI does not have {at}"
         if status == loop.TOO_LARGE:
             return f"{instance.name}: an input does not hold the whole number that is connected to it, {at}"
         said = STATUS[status] if status < len(STATUS) else str(status)
