@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..signals.tones import Tone, tones
+from ..signals.tones import Tone, tones_of_runs
 from .plan import Plan, make_plan
 from .rows import DONE, FAILED
 from .store import open_campaign
@@ -97,12 +97,13 @@ def compete(plan: Plan, folder: Path, how: How) -> Ended:
     kin = tuple(path for path in sorted(folder.glob(f"{name}-*.zarr")) if path != store)
     ended = sweep(plan, store, how, kin)
     data = open_campaign(store).load()
-    groups: dict[str, list[float | None]] = {}
+    groups: dict[str, list[int]] = {}
     for k in np.flatnonzero(data["status"].to_numpy() == DONE):
-        tone = float(data["tone"][k])
         start = f"started at {float(data[_START][k]):g} Hz" if _START in data else "random start"
         spring = f", {float(data[_SPRING][k]):g} N/m" if _SPRING in data else ""
-        groups.setdefault(start + spring, []).append(None if np.isnan(tone) else tone)
+        groups.setdefault(start + spring, []).append(int(k))
     failed = np.flatnonzero(data["status"].to_numpy() == FAILED)
     failures = tuple(sorted({str(data["message"].to_numpy()[k]) for k in failed}))
-    return Ended({words: tones(found) for words, found in groups.items()}, ended.wanted, ended.done, failures, store)
+    tone, irregular = (data[name].to_numpy() for name in ("tone", "irregular"))
+    found = {words: tones_of_runs(tone[rows], irregular[rows]) for words, rows in groups.items()}
+    return Ended(found, ended.wanted, ended.done, failures, store)

@@ -16,6 +16,7 @@ from fmus.wheel.wheelset import Wheelset
 from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
+from ...signals.lines import is_irregular
 from ...signals.summary import sample_interval, summarise
 from ...sound.levels import sound_of
 from ...sound.wheelset import wheelset_of
@@ -36,6 +37,7 @@ COARSEST_HZ = 7.5
 QUANTITIES = (
     Quantity("squeals", "1", "1 if the wheel vibrates laterally at the end of the run, 0 if not"),
     Quantity("tone", "Hz", "dominant frequency of the wheel's lateral velocity, second half", lacks=True),
+    Quantity("irregular", "1", "1 if that is no tone, for the motion has no line spectrum, 0 if it is", lacks=True),
     Quantity("mode", "", "wheel mode with the largest velocity in the second half"),
     Quantity("level", "dB", "A-weighted sound pressure level, second half", lacks=True),
     Quantity("level_low", "dB", "lower end of the band of the level", lacks=True),
@@ -85,10 +87,13 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
         wheelset = _wheelset(prepared, master, data)
     summary = summarise(data)
     lateral = summary.wheel_velocity_rms.get("lat", np.nan)
+    loud = lateral > QUIET * sliding
+    irregular = is_irregular(data["wheel.v_lat"].to_numpy(), sample_interval(data)) if loud else None
     into = sum(abs(v) for v in progress.energy_into_structures.values())
     return {
-        "squeals": float(lateral > QUIET * sliding),
+        "squeals": float(loud),
         "tone": _number(summary.dominant_frequency_hz),
+        "irregular": _number(irregular),
         **_heard(data, wheelset),
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),

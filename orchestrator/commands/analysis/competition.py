@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json as json_format
 import os
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -79,7 +78,7 @@ def _described(case: str, ended: Any, picture: Path) -> dict[str, Any]:
         "done": ended.done,
         "failures": list(ended.failures),
         "confidence": 0.95,
-        "starts": {key: [{**asdict(t), "share": t.share} for t in found] for key, found in groups.items()},
+        "starts": {key: [t.as_data() for t in found] for key, found in groups.items()},
         "runs": str(ended.store),
         "picture": str(picture),
     }
@@ -93,8 +92,7 @@ def _show(case: str, groups: dict[str, list[Any]], path: Path, picture: Path) ->
         table.add_column(heading, justify="right")
     for words, found in groups.items():
         for i, t in enumerate(found):
-            frequency = "at rest" if t.frequency_hz is None else f"{t.frequency_hz:.1f} Hz"
             interval = f"{t.low:.0%} to {t.high:.0%}"
-            table.add_row(words if i == 0 else "", frequency, f"{t.count} of {t.of}", f"{t.share:.0%}", interval)
+            table.add_row(words if i == 0 else "", t.words, f"{t.count} of {t.of}", f"{t.share:.0%}", interval)
     screen.print(table)
     screen.print(f"runs     {path}\npicture  {picture}", highlight=False, soft_wrap=True)
