@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,8 +23,8 @@ def eq_11(creepage: np.ndarray) -> np.ndarray:
     return np.array([0.3 * falling_factor(g, 0.1, 0.005) for g in creepage])
 
 
-def curve(values: dict[str, float], creepage: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return friction coefficients and slopes of a contact."""
+def curve(values: Mapping[str, float], creepage: np.ndarray) -> np.ndarray:
+    """Return friction coefficients and slopes of a contact, one row each."""
     instance = Instance(contact(), values)
     instance.initialise()
     arrays = (instance.parameters, instance.derived)
