@@ -3,7 +3,7 @@
 from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs
-from .friction.parameters import TABLE_POINTS
+from .friction_parameters import TABLE_POINTS
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))

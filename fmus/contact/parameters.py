@@ -7,7 +7,7 @@ import math
 from ..compile import positions
 from ..component import Variable
 from ..interface import mobility_ports
-from .friction.parameters import FRICTION_PARAMETERS
+from .friction_parameters import FRICTION_PARAMETERS
 
 MAX_GRID = 200
 

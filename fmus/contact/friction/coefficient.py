@@ -5,9 +5,9 @@ The only place that knows which law the parameters mean. Each law is the frictio
 
 from ...compile import kernel
 from ...creep.friction import falling_factor, falling_slope
+from ..friction_parameters import FALLING, POLACH, TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY, TWO_DECAYS
 from ..layout import FRICTION
 from ..parameters import P
-from .parameters import FALLING, POLACH, TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY, TWO_DECAYS
 from .polach import polach, polach_slope
 from .table import prepare_table, table
 from .two_decays import two_decays, two_decays_slope

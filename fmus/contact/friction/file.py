@@ -10,8 +10,8 @@ import numpy as np
 from ...errors import DataError
 from ...measured.tables import Header, read_csv_rows
 from ...measured.units import velocity_factor
+from ..friction_parameters import TABLE_POINTS
 from .named import check_points, friction_table
-from .parameters import TABLE_POINTS
 
 _WORDS = {
     "creepage": re.compile(r"creepage|creep|gamma|slip_ratio"),

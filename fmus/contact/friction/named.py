@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import DataError
-from .parameters import (
+from ..friction_parameters import (
     ABSCISSA,
     FALLING,
     ORDINATE,

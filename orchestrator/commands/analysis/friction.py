@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from fmus.contact.friction.named import NAMED
-from fmus.contact.friction.parameters import TABLE_OF_VELOCITY
+from fmus.contact.friction_parameters import TABLE_OF_VELOCITY
 
 from ...fmi.instance import Value
 from ...system.cases import built_ssp

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...component import Variable
+from ..component import Variable
 
 FALLING, TWO_DECAYS, POLACH, TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY = range(5)
 """Values of the parameter `friction_law`."""
