@@ -16,6 +16,7 @@ from fmus.wheel.wheelset import Wheelset
 from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
+from ...runs.verdict import energy_share
 from ...signals.summary import sample_interval, summarise
 from ...sound.levels import sound_of
 from ...sound.wheelset import wheelset_of
@@ -85,7 +86,7 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
         wheelset = _wheelset(prepared, master, data)
     summary = summarise(data)
     lateral = summary.wheel_velocity_rms.get("lat", np.nan)
-    into = sum(abs(v) for v in progress.energy_into_structures.values())
+    share = energy_share(progress)
     return {
         "squeals": float(lateral > QUIET * sliding),
         "tone": _number(summary.dominant_frequency_hz),
@@ -93,7 +94,7 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),
         "growth_seen": _number(summary.growth_rate),
-        "energy_residual": sum(progress.energy_residual.values()) / into if into else np.nan,
+        "energy_residual": np.nan if share is None else share,
     }
 
 
