@@ -36,6 +36,9 @@ STEP_SIZE = "step_size"
 INITIAL_VELOCITY = "initial_velocity"
 """Parameters of a structure that begin with this are initial modal velocities."""
 
+INITIAL_DISPLACEMENT = "initial_displacement"
+"""Parameters of a structure that begin with this are initial modal displacements."""
+
 MODAL_VELOCITY = "modal_velocity"
 """Local variables of a structure that begin with this are its modal velocities: what a radiation model needs."""
 
@@ -53,6 +56,7 @@ VELOCITY_UNIT = {"lon": "m/s", "lat": "m/s", "ver": "m/s", "spin": "rad/s"}
 DISPLACEMENT_UNIT = {"lon": "m", "lat": "m", "ver": "m", "spin": "rad"}
 SHAPE_UNIT = {"lon": "kg^(-1/2)", "lat": "kg^(-1/2)", "ver": "kg^(-1/2)", "spin": "kg^(-1/2)/m"}
 MODAL_VELOCITY_UNIT = "kg^(1/2).m/s"
+MODAL_DISPLACEMENT_UNIT = "kg^(1/2).m"
 
 UNITS: dict[str, dict[str, int] | None] = {
     "1": {},
@@ -77,6 +81,7 @@ UNITS: dict[str, dict[str, int] | None] = {
     "kg^(-1/2)": None,
     "kg^(-1/2)/m": None,
     "kg^(1/2).m/s": None,
+    "kg^(1/2).m": None,
 }
 """Every unit in use, as exponents of SI base units; None where FMI's whole exponents cannot express it."""
 

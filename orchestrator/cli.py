@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from importlib import import_module
 from importlib.metadata import version as version_of
 from typing import Annotated, Any, ClassVar
@@ -15,7 +16,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 from typer.core import TyperGroup
 
-from .errors import InputError, SimulationError
+from .errors import DamageWarning, InputError, SimulationError
 
 Table = dict[str, tuple[str, str]]
 """Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
@@ -148,6 +149,7 @@ def command_line() -> int:
     A user's mistake, or an FMU's failure, is one sentence and 1; a fault of this program its traceback, a sentence and
     `FAULT`; an end by Ctrl-C 130; options that cannot be read 2.
     """
+    warnings.showwarning = _told_warning
     try:
         app(prog_name="curvesqueal")
     except SystemExit as end:
@@ -159,6 +161,17 @@ def command_line() -> int:
         said = f"{type(error).__name__}: {error}"
         return _failed(f"curvesqueal: a fault of the program itself, not of your input: {said}", FAULT)
     return 0
+
+
+_python_warning = warnings.showwarning
+
+
+def _told_warning(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+    """Show a warning of ours as a note; others as Python does."""
+    if issubclass(category, DamageWarning):
+        sys.stderr.write(f"note: {message}\n")
+    else:
+        _python_warning(message, category, *where, **more)
 
 
 def keep_standard_output() -> None:

@@ -13,3 +13,7 @@ class Fault(str):
 
 class SimulationError(Exception):
     """A component failed during the run; what was computed until then is kept."""
+
+
+class DamageWarning(UserWarning):
+    """A file is damaged, and what is whole of it was read."""

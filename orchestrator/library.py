@@ -28,6 +28,7 @@ from .runs.outcome import Outcome
 from .runs.run import Keeping, Report, run_scenario
 from .runs.run import resume as _resume
 from .runs.scenario import Scenario
+from .runs.starts import on_cycle
 
 
 def load(  # noqa: PLR0913 - one argument per property of a scenario
@@ -39,6 +40,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     values: Mapping[str, Mapping[str, Value]] | None = None,
     replace: Mapping[str, str | Path] | None = None,
     seed: int | None = None,
+    start_cycle: float | None = None,
     record_every: int = 4,
     timeout: float | None = None,
     strict: bool = False,
@@ -54,6 +56,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
     values : parameter values by component and name, in the units of the FMUs
     replace : FMU files by the component whose place they take
     seed : random initial modal velocities instead of the force pulse
+    start_cycle : start on the limit cycle near this frequency [Hz], without a growth phase
     record_every : record after every this many steps
     timeout : each FMU in a process of its own, and the time that a call may take [s]; a script needs
         `if __name__ == "__main__":` then
@@ -77,7 +80,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
         strict=strict,
     )
     scenario.prepare()
-    return scenario
+    return scenario if start_cycle is None else on_cycle(scenario, start_cycle)
 
 
 def simulate(  # noqa: PLR0913 - one argument per thing that it may leave or tell

@@ -9,7 +9,9 @@ from ..errors import DataError
 from ..interface import (
     DEFAULT_STEP,
     DIRECTIONS,
+    INITIAL_DISPLACEMENT,
     INITIAL_VELOCITY,
+    MODAL_DISPLACEMENT_UNIT,
     MODAL_VELOCITY,
     MODAL_VELOCITY_UNIT,
     SHAPE_UNIT,
@@ -37,7 +39,10 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     if n < len(modes):
         raise DataError(f"{name}: capacity is {n}; must be at least its {len(modes)} modes")
     parameters = _modal_parameters(modes, n)
-    moving = tuple(v.name for v in parameters if v.name.startswith((*SHAPES, INITIAL_VELOCITY)))
+    moving, moved = (
+        tuple(v.name for v in parameters if v.name.startswith((*SHAPES, start)))
+        for start in (INITIAL_VELOCITY, INITIAL_DISPLACEMENT)
+    )
     step = Variable(
         STEP_SIZE, "parameter", "s", "communication step that the mobilities y are given for",
         start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
@@ -48,7 +53,7 @@ def structure(name: str, description: str, modes: Modes, capacity: int | None = 
     outputs = tuple(
         Variable(
             p.name, "output", p.unit, p.description, nominal=p.nominal,
-            initially_depends_on=moving if p.name.startswith("v_") else (),
+            initially_depends_on=moving if p.name.startswith("v_") else moved,
         )
         for p in structure_outputs()
     )  # fmt: skip
@@ -92,7 +97,11 @@ def _modal_parameters(modes: Modes, n: int) -> tuple[Variable, ...]:
         (SHAPES[j], SHAPE_UNIT[d], f"mass-normalised shape, {d}", modes.shape[:, j], -1e6, 1e6, 0.1)
         for j, d in enumerate(DIRECTIONS)
     ]
-    blocks += [(INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", np.zeros(len(modes)), -1e3, 1e3, 1e-3)]
+    rest = np.zeros(len(modes))
+    blocks += [
+        (INITIAL_VELOCITY, MODAL_VELOCITY_UNIT, "initial modal velocity", rest, -1e3, 1e3, 1e-3),
+        (INITIAL_DISPLACEMENT, MODAL_DISPLACEMENT_UNIT, "initial modal displacement", rest, -1e3, 1e3, 1e-6),
+    ]
     return tuple(
         Variable(
             name_of(name, i + 1), "parameter", unit, f"{text} of {_mode(modes, i)}",

@@ -104,12 +104,12 @@ def _observe(parameters, state, outputs):  # type: ignore[no-untyped-def]
 
 @kernel
 def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-untyped-def]
-    """Start at zero displacement with the given modal velocities."""
+    """Start with the given modal velocities and displacements."""
     n = (parameters.size - 1) // N_BLOCKS
     tabulate(parameters, derived, parameters[N_BLOCKS * n])
     for i in range(n):
         state[i] = parameters[6 * n + i]
-        state[n + i] = 0.0
+        state[n + i] = parameters[7 * n + i]
     _observe(parameters, state, outputs)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..interface import DIRECTIONS, INITIAL_VELOCITY, PAIRS
+from ..interface import DIRECTIONS, INITIAL_DISPLACEMENT, INITIAL_VELOCITY, PAIRS
 
 FREQUENCY = "frequency"
 DAMPING_RATIO = "damping_ratio"
 SHAPES = tuple(f"shape_{d}" for d in DIRECTIONS)
 
-BLOCKS = (FREQUENCY, DAMPING_RATIO, *SHAPES, INITIAL_VELOCITY)
+BLOCKS = (FREQUENCY, DAMPING_RATIO, *SHAPES, INITIAL_VELOCITY, INITIAL_DISPLACEMENT)
 """The blocks of parameters, each with a value per mode, in the order that the kernels have them."""
 
 N_BLOCKS = len(BLOCKS)

@@ -64,6 +64,12 @@ def block_of(block: str, values: Mapping[str, Any]) -> NDArray[np.float64]:
     return np.array([float(values[name]) for name in names_of(block, values).values()])
 
 
+def moving_modes(values: Mapping[str, Any], prefix: str = "") -> list[int]:
+    """Return the numbers of the modes that move the contact point, in order: those that `modes_of` returns."""
+    shapes = [names_of(prefix + block, values) for block in SHAPES]
+    return [n for n in names_of(prefix + FREQUENCY, values) if any(float(values[s[n]]) for s in shapes if n in s)]
+
+
 def modes_of(values: Mapping[str, Any], prefix: str = "") -> Modes | None:
     """Return the modes that the parameters of a structure say; None if it shows none.
 
@@ -93,5 +99,6 @@ def modes_of(values: Mapping[str, Any], prefix: str = "") -> Modes | None:
             raise DataError(f"mode {missing[0]} has no {prefix + block}")
         for i, mode in enumerate(modes):
             table[i, j] = float(values[names[mode]])
-    table = table[table[:, 2:].any(axis=1)]
+    moving = [list(modes).index(n) for n in moving_modes(values, prefix)]
+    table = table[moving]
     return Modes(2 * np.pi * table[:, 0], table[:, 1], table[:, 2:])

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from fmus.interface import INITIAL_VELOCITY
+from fmus.interface import INITIAL_DISPLACEMENT, INITIAL_VELOCITY
 from fmus.wheel.wheelset import Wheelset
 
 from ..archive import cache_folder, sha256
@@ -226,7 +226,8 @@ def _converted(element: Element, changed: Mapping[str, object], fmu: Fmu) -> dic
 
 def structure_key(fmu: Fmu, values: Mapping[str, Value]) -> str:
     """Return the hash of an FMU and its values but for how it starts."""
-    return component(fmu, {name: value for name, value in values.items() if not name.startswith(INITIAL_VELOCITY)})
+    start = (INITIAL_VELOCITY, INITIAL_DISPLACEMENT)
+    return component(fmu, {name: value for name, value in values.items() if not name.startswith(start)})
 
 
 def _started(assembly: Assembly, frequency_hz: float) -> Assembly:

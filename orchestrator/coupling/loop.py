@@ -75,7 +75,7 @@ Plan = namedtuple(
         "u_word",  # (inputs,) the same as whole numbers
         "y",  # (outputs,) latest outputs
         "y_word",  # (outputs,) the same as whole numbers
-        "wide",  # (outputs,) whether an output is a whole number of 64 bits, which is recorded as such
+        "wide",  # positions in `y` of whole numbers of 64 bits, which are recorded as such
         "exact",  # (inputs,) whether an input is the whole number that feeds it
         "source",  # (inputs,) position in `y` of what feeds an input
         "gain",  # (inputs,) factor of the connection
@@ -309,26 +309,25 @@ def _count_energy(plan, number, h):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def put(row, words, k, real, word, wide):  # type: ignore[no-untyped-def]
-    """Record a value as column `k` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
-    if wide:
-        words[k] = word
-    else:
-        row[k] = real
+def put(row, words, begin, values, wide):  # type: ignore[no-untyped-def]
+    """Record values from column `begin` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
+    for k in range(values.real.size):
+        row[begin + k] = values.real[k]
+    for i in range(wide.size):
+        words[begin + wide[i]] = values.word[wide[i]]
 
 
 @njit(inline="always")
 def _record(plan, row, words):  # type: ignore[no-untyped-def]
     """Record outputs and the energies into the structures."""
-    for j in range(plan.y.size):
-        put(row, words, j, plan.y[j], plan.y_word[j], plan.wide[j])
+    put(row, words, 0, Values(plan.y, plan.y_word), plan.wide)
     for e in range(plan.energy.shape[0]):
         row[plan.y.size + e] = plan.energy[e, 1]
 
 
 @njit(cache=True)
 def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untyped-def]
-    """Make `steps` steps and record every `every`-th and the last of all.
+    """Make `steps` steps and record every `every`-th and the last of all, also the last that was made before a fault.
 
     Parameters
     ----------
@@ -347,20 +346,21 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
         for NOT_CONVERGED that in `u`), FMI status
     """
     plan = borrowed(plan)  # type: ignore[call-arg]
-    rows = 0
+    rows = kept = 0  # `kept`: 1 if the row after those recorded holds the latest step, in case that the next one fails
     _remember_motion(plan)
     for k in range(steps):
         what, component, status = _step(plan, first + k, clock)
         if what != OK:
-            return k, rows, what, component, status
+            return k, rows + kept, what, component, status
         _count_energy(plan, first + k, clock[1])
         for j in range(plan.y.size):
             if not np.isfinite(plan.y[j]):
-                return k, rows, NOT_FINITE, j, 0
+                return k, rows + kept, NOT_FINITE, j, 0
         number = first + k + 1
+        _record(plan, record[0][rows], record[1][rows])
+        kept = 1
         if number % every == 0 or number == clock[2] or plan.ending[0] >= 0:
-            _record(plan, record[0][rows], record[1][rows])
-            rows += 1
+            rows, kept = rows + 1, 0
         if plan.ending[0] >= 0:
             return k + 1, rows, STEP, plan.ending[0], ENDED
     return steps, rows, OK, 0, 0

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, SimulationError
+from ..fmi.file import WHOLE
 from ..fmi.instance import STATUS, FmuInstance, Value
 from ..probing.mobility import with_step
 from ..results.file import Column, Results
@@ -119,9 +120,9 @@ class Master:
         calls = transfers(self.assembly, self.instances, self.further, "Get")
         room = max(self.plan.scratch.size, calls.size.max(initial=1))
         self.plan = self.plan._replace(scratch=np.zeros(room, dtype=np.uint64))
-        return recording.Further(
-            calls, np.zeros(count), np.zeros(count, dtype=np.int64), wide(self.assembly, self.further)
-        )
+        whole = any(self.assembly.fmus[name].variables[v].type in WHOLE for name, v in self.further)
+        words = np.zeros(count, dtype=np.int64)
+        return recording.Further(calls, np.zeros(count), words, wide(self.assembly, self.further), whole)
 
     def _check(self) -> None:
         """Raise InputError if a component does not get to the end, or cannot repeat a step that has to be."""

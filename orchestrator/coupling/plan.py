@@ -192,10 +192,10 @@ def _start(link: Link) -> Key:
     return link.wire.start_element, link.wire.start_connector
 
 
-def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.bool_]:
-    """Return which variables are whole numbers of 64 bits, which a double need not hold."""
+def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.int64]:
+    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables."""
     kinds = [assembly.fmus[element].variables[name].fmi_type for element, name in keys]
-    return np.array([kind in ("Int64", "UInt64") for kind in kinds], dtype=bool)
+    return _whole([k for k, kind in enumerate(kinds) if kind in ("Int64", "UInt64")])
 
 
 def _is_exact(each: Input, assembly: Assembly) -> bool:

@@ -72,6 +72,11 @@ def over_a_period(lines: Complex, samples: int = SAMPLES) -> Real:
     return np.asarray(np.fft.irfft(lines, samples, axis=0) * samples)
 
 
+def states_at_start(motion: Motion) -> Real:
+    """Return the states of `model.whole` at the start of the period, (n, 2)."""
+    return np.asarray((motion.states[0] + 2 * motion.states[1:].sum(axis=0)).real)
+
+
 @dataclass(frozen=True)
 class Contact:
     """The contact over a period.

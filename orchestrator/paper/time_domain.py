@@ -227,8 +227,8 @@ def _rail_smaller(facts: Mapping[str, Facts]) -> Item:
     holds = all(f.cycle.rail_to_wheel[PLANE] < 0.5 for f in with_rail.values() if PLANE in f.cycle.rail_to_wheel)
     sentence = _verdict(holds, "see the numbers.") + (
         " It is true of the direction of the squeal, lateral in the contact plane. Along the contact normal no wheel "
-        "can do it: the contact spring ties both together, rail over wheel is |Y33r| / |Y33r + j omega/K_H|, nearly 1. The "
-        "larger vertical ratio belongs to the track's axes: the wheel's normal and lateral motion nearly cancel there."
+        "can do it: the contact spring ties both together, rail over wheel is |Y33r| / |Y33r + j omega/K_H|, nearly "
+        "1. The larger vertical ratio belongs to the track's axes: the wheel's normal and lateral motion nearly cancel there."
     )
     return Item("Claim", "the rail vibrates much less than the wheel", tuple(rows), sentence)
 

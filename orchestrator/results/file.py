@@ -4,7 +4,8 @@ The file is classic NetCDF (64-bit offset): a header, then one record per row wi
 number of records at a fixed place of the header. Rows are appended and then counted, so that a run that is killed
 leaves a file with everything up to the last append. The header is written by the NetCDF library. Signals keep their
 types; classic NetCDF has no whole numbers of 64 bits and none without sign, so a file with such signals is of the
-variant with 64-bit data.
+variant with 64-bit data. Rows and header have checksums (`layout`). Whoever writes to a file holds a lock on it, which
+ends with the process (docs/adr/0021).
 """
 
 from __future__ import annotations
@@ -12,64 +13,41 @@ from __future__ import annotations
 import os
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
+from uuid import uuid4
 
 import netCDF4
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .layout import (
+    CHECKSUM,
+    COUNT_POSITION,
+    HEADER_CHECKSUM,
+    TIME,
+    UNKNOWN,
+    Column,
+    checksums,
+    file_stem,
+    header_checksum,
+    record_layout,
+    records_begin,
+    stored_names,
+)
+from .locks import lock
+from .reading import attributes_of, extent, open_results
 
-if TYPE_CHECKING:  # xarray takes a second to import
-    import xarray as xr
-
-_COUNT_POSITION = 4
-"""Position of the number of records in a classic NetCDF file [bytes]."""
-
-_TIME = "time after a step"
-_DOUBLE = 6
-"""Description of the first variable, and the number that stands for its type."""
+__all__ = ["Column", "Results", "ResultsFile", "open_results"]
 
 _CLASSIC = frozenset(["f8", "f4", "i4", "i2", "i1"])
 """Types that classic NetCDF has."""
 
-_REAL = np.dtype(np.float64)
-_WIDE = (np.dtype(np.int64), np.dtype(np.uint64))
-
-
-@dataclass(frozen=True)
-class Column:
-    """A recorded signal.
-
-    Attributes
-    ----------
-    name, unit, description : as the results have them
-    dtype : type of its values
-    """
-
-    name: str
-    unit: str
-    description: str
-    dtype: np.dtype[Any] = _REAL
-
-    @property
-    def stored(self) -> np.dtype[Any]:
-        """Type of its values in a file: truth values are bytes there."""
-        return np.dtype(np.int8) if self.dtype.kind == "b" else self.dtype
-
-    def values(self, rows: NDArray[np.float64], place: int) -> NDArray[Any]:
-        """Return the values of this signal in rows of the master, where it is column `place`.
-
-        Notes
-        -----
-        The rows are doubles, but for whole numbers of 64 bits, which stand there bit by bit.
-        """
-        if self.dtype in _WIDE:
-            return rows.view(self.dtype)[:, place]
-        return rows[:, place].astype(self.stored)
+_SUM = np.dtype(np.int32)
+"""Type of the checksum of a row; classic NetCDF has none without sign."""
 
 
 class Results(Protocol):
@@ -86,80 +64,127 @@ class Results(Protocol):
 
 
 class ResultsFile:
-    """A results file that is being written.
+    """A results file that is being written; it appears under its name with a whole header.
 
     Parameters
     ----------
     path : file to create; its folder is created too
     signals : name, unit and description of each column after time
     attributes : what the file says of itself
+    replace : whether a file that is there is replaced
 
     Attributes
     ----------
     rows : number of rows that are in the file
-    header : size of what comes before them [bytes]
+    attributes : what it says of itself, or what it was asked for when it was opened again
+
+    Raises
+    ------
+    FileExistsError
+        If a file is there that is not to be replaced.
     """
 
-    def __init__(self, path: Path, signals: Sequence[Column], attributes: Mapping[str, str | float | int]) -> None:
+    def __init__(
+        self, path: Path, signals: Sequence[Column], attributes: Mapping[str, str | float | int], replace: bool = True
+    ) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
-        classic = all(column.stored.str[1:] in _CLASSIC for column in signals)
-        with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET" if classic else "NETCDF3_64BIT_DATA") as data:
-            data.createDimension("time", None)
-            time = data.createVariable("time", "f8", ("time",))
-            time.units, time.long_name = "s", _TIME
-            for column in signals:
-                variable = data.createVariable(column.name, column.stored, ("time",))
-                variable.units, variable.long_name = column.unit, column.description
-                if column.dtype.kind == "b":
-                    variable.setncattr("dtype", "bool")  # as xarray writes and reads it
-            data.setncatts(dict(attributes))
-        os.truncate(path, _records_begin(path))
-        self._open(path, signals)
+        partial = path.with_name(f".{uuid4().hex}.nc")
+        try:
+            _write_header(partial, signals, attributes)
+            self._open(partial, signals)
+            if replace:
+                partial.replace(path)
+            else:
+                _appear(partial, path)
+        except BaseException:
+            with suppress(AttributeError):
+                self._file.close()
+            raise
+        finally:
+            partial.unlink(missing_ok=True)
+        self.path, self.attributes = path, dict(attributes)
         self.rows = 0
-        self.header = self._file.seek(0, 2)
-
-    def _open(self, path: Path, columns: Sequence[Column]) -> None:
-        self.path = path
-        self._columns = list(columns)
-        kinds = [np.dtype(np.float64), *(column.stored for column in columns)]
-        starts = np.cumsum([0, *(-(-kind.itemsize // 4) * 4 for kind in kinds)])  # each value fills whole words
-        self._layout = np.dtype(
-            {
-                "names": [f"f{k}" for k in range(len(kinds))],
-                "formats": [kind.newbyteorder(">") for kind in kinds],
-                "offsets": starts[:-1].tolist(),
-                "itemsize": int(starts[-1]),
-            }
-        )
-        self._file = path.open("r+b")
 
     @classmethod
-    def reopen(cls, path: Path, columns: Sequence[Column], header: int, rows: int) -> ResultsFile:
-        """Return a file to go on with after its first `rows` rows; what came after them is cut off.
+    def claim(
+        cls, folder: Path, name: str, signals: Sequence[Column], attributes: Mapping[str, str | float | int]
+    ) -> ResultsFile:
+        """Return a new file in `folder`, called after `name`; no other run, earlier or at the same time, gets the same.
+
+        Raises
+        ------
+        OSError
+            If nothing can be written there.
+        """
+        stem, number = file_stem(name), 1
+        while True:
+            path = folder / (f"{stem}.nc" if number == 1 else f"{stem}-{number}.nc")
+            if not os.path.lexists(path):
+                with suppress(FileExistsError):
+                    return cls(path, signals, attributes, replace=False)
+            number += 1
+
+    _begin = 0
+    """Where the rows begin in a file that was opened again [bytes]."""
+
+    def _open(self, path: Path, columns: Sequence[Column]) -> None:
+        self._columns = list(columns)
+        self._layout = record_layout([np.dtype(np.float64), *(column.stored for column in columns), _SUM])
+        self._file = path.open("r+b")
+        if not lock(self._file):
+            self._file.close()
+            raise InputError(f"{path}: another process is writing to these results")
+
+    @classmethod
+    def reopen(cls, path: Path, columns: Sequence[Column], own: Mapping[str, str]) -> ResultsFile:
+        """Return a file to go on with; nothing in it is changed before `cut` says after which row.
 
         Parameters
         ----------
         columns : the signals after time
-        header : size of the header [bytes]
+        own : attributes that the file must have
 
         Raises
         ------
         InputError
-            If the file is missing or shorter than that.
+            If the file is missing, another process writes to it, or it is not the one.
         """
         file = cls.__new__(cls)
         try:
             file._open(path, columns)
         except OSError as error:
             raise InputError(f"{path}: cannot go on with these results: {error.strerror or error}") from None
-        file.header, file.rows = header, rows
-        end = header + rows * file._layout.itemsize
-        if file._file.read(3) != b"CDF" or file._file.seek(0, 2) < end:
+        try:
+            there = extent(path)
+            about = attributes_of(path) if there is not None else {}
+            if there is None or any(about.get(name) != value for name, value in own.items()):
+                raise InputError(f"{path}: these are the results of another run; nothing was changed")
+            wanted = zip(["time", *stored_names(c.name for c in columns), CHECKSUM], file._types(), strict=True)
+            if about["columns"] != [(name, kind.str[1:]) for name, kind in wanted]:
+                raise InputError(f"{path}: these results have other columns than the run; nothing was changed")
+        except BaseException:
             file.close()
-            raise InputError(f"{path}: does not hold the {rows} rows that the checkpoint goes on from")
-        file._count()
-        file._file.truncate(end)
+            raise
+        file.path, file.rows, file.attributes = path, there.whole, dict(own)
+        file._begin = there.begin
         return file
+
+    def cut(self, rows: int) -> None:
+        """Leave the first `rows` rows of a file that was opened again, to go on after them.
+
+        Raises
+        ------
+        InputError
+            If it has not so many whole ones.
+        """
+        if not 0 <= rows <= self.rows:
+            raise InputError(f"{self.path}: does not hold the {rows} rows that the checkpoint goes on from")
+        self.rows = rows
+        self._count()
+        self._file.truncate(self._begin + rows * self._layout.itemsize)
+
+    def _types(self) -> list[np.dtype[Any]]:
+        return [self._layout[name] for name in self._layout.names or ()]
 
     def append(self, time: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """Append rows: times (n,) [s] and values (n, columns) as `Column.values` reads them."""
@@ -167,8 +192,11 @@ class ResultsFile:
         records["f0"] = time
         for place, column in enumerate(self._columns):
             records[f"f{place + 1}"] = column.values(rows, place)
+        size = self._layout.itemsize
+        raw: Any = records.view(np.uint8)
+        records[f"f{len(self._columns) + 1}"] = checksums(memoryview(raw), size).view(np.int32)
         self._file.seek(0, 2)
-        self._file.write(records.tobytes())
+        self._file.write(raw.tobytes())
         self._file.flush()
         self.rows += time.size
         self._count()
@@ -177,7 +205,7 @@ class ResultsFile:
         """Write the number of rows into the header."""
         self._file.seek(0)
         form = ">q" if self._file.read(4)[3] == 5 else ">i"
-        self._file.seek(_COUNT_POSITION)
+        self._file.seek(COUNT_POSITION)
         self._file.write(struct.pack(form, self.rows))
         self._file.flush()
 
@@ -200,51 +228,46 @@ class ResultsFile:
         self.close()
 
 
-def _records_begin(path: Path) -> int:
-    """Return where the first record of a new file begins [bytes].
-
-    The library leaves a file with a header above 8 kB longer than that. A variable's entry in the header ends with its
-    attributes, its type, the size of one record and the place of the first; `time` is the first variable.
-    """
+def _write_header(path: Path, signals: Sequence[Column], attributes: Mapping[str, str | float | int]) -> None:
+    """Write a file without rows."""
+    classic = all(column.stored.str[1:] in _CLASSIC for column in signals)
+    with netCDF4.Dataset(path, "w", format="NETCDF3_64BIT_OFFSET" if classic else "NETCDF3_64BIT_DATA") as data:
+        data.createDimension("time", None)
+        time = data.createVariable("time", "f8", ("time",))
+        time.units, time.long_name = "s", TIME
+        for column, name in zip(signals, stored_names(c.name for c in signals), strict=True):
+            variable = data.createVariable(name, column.stored, ("time",))
+            variable.units, variable.long_name = column.unit, column.description
+            if name != column.name:
+                variable.variable = column.name
+            if column.dtype.kind == "b":
+                variable.setncattr("dtype", "bool")  # as xarray writes and reads it
+        check = data.createVariable(CHECKSUM, _SUM, ("time",))
+        check.long_name = "CRC-32 of the other values of the row"
+        data.setncatts({**attributes, HEADER_CHECKSUM: UNKNOWN})
     header = path.read_bytes()
-    after = header.find(_TIME.encode()) + 4 * -(-len(_TIME) // 4)
-    kind, size, begin = struct.unpack_from(">iqq" if header[3] == 5 else ">iiq", header, after)
-    if (kind, size) != (_DOUBLE, 8) or begin > len(header):
-        raise RuntimeError(f"{path}: the NetCDF library wrote a header of an unknown form")
-    return int(begin)
+    begin = records_begin(header, path)
+    os.truncate(path, begin)
+    found = header_checksum(header[:begin])
+    if found is None:
+        raise RuntimeError(f"{path}: the NetCDF library wrote a header without its checksum")
+    with path.open("r+b") as file:
+        file.seek(found[0])
+        file.write(found[1].encode())
 
 
-def open_results(path: Path) -> xr.Dataset:
-    """Return the results in a file, loaded lazily.
+def _appear(partial: Path, path: Path) -> None:
+    """Give a file a name that nobody else has.
 
     Raises
     ------
-    InputError
-        If the file is missing or holds no results.
+    FileExistsError
+        If somebody has it.
     """
-    import xarray as xr  # noqa: PLC0415
-
-    if not path.is_file():
-        raise InputError(f"{path}: no such results file")
     try:
-        with path.open("rb") as file:
-            engine = "netcdf4" if file.read(4)[3:] == b"\x05" else "scipy"  # this maps the file: faster by column
-        data = xr.open_dataset(path, engine=engine, decode_times=False)
-    except (OSError, ValueError, TypeError, IndexError) as error:
-        raise InputError(_unreadable(path, error)) from None
-    if "time" not in data.dims:
-        raise InputError(f"{path}: holds no time axis, so it is not a results file of curvesqueal")
-    return data
-
-
-def _unreadable(path: Path, error: Exception) -> str:
-    """Return the sentence that says why a file cannot be opened: cut short, or no results file at all."""
-    try:
-        with netCDF4.Dataset(path) as data:
-            rows = data.dimensions["time"].size
-            row = sum(-(-v.dtype.itemsize // 4) * 4 for v in data.variables.values())
-        begin = _records_begin(path)
-    except (OSError, KeyError, RuntimeError, struct.error):
-        return f"{path}: is not a results file: {str(error).splitlines()[0]}"
-    there = max(0, path.stat().st_size - begin) // row
-    return f"{path}: is cut short: its header says {rows} rows, {there} are there; copy it again or run again"
+        os.link(partial, path)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without second names: two moves, a kill between which leaves an empty file
+        path.touch(exist_ok=False)
+        partial.replace(path)

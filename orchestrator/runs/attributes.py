@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Mapping
-from importlib.metadata import version
+from uuid import uuid4
 
 from ..coupling.assembly import Assembly
 from ..coupling.master import Master, Settings
 from ..fmi.file import Fmu
 from ..fmi.instance import Value
+from .identity import identity, plain, versions
 from .scenario import Scenario
 
-PACKAGES = ("curvesqueal", "fmpy", "numba", "numpy", "pythonfmu", "scipy")
-"""Whose versions may change a number."""
+RUN, IDENTITY = "run", "identity"
+"""Attributes that tell this run from every other, and this scenario from every other."""
 
 
 def all_parameters(
@@ -34,13 +34,6 @@ def all_parameters(
     return values
 
 
-def plain(value: Value, kind: str) -> float | str:
-    """Return a parameter value as a number where it is one; true is 1."""
-    if kind == "Boolean":
-        return float(str(value).lower() in ("true", "1"))
-    return float(value) if kind in ("Real", "Integer") else str(value)
-
-
 def _attributes(
     scenario: Scenario, assembly: Assembly, settings: Settings, master: Master
 ) -> dict[str, str | float | int]:
@@ -50,6 +43,8 @@ def _attributes(
         for name, fmu in assembly.fmus.items()
     }
     return {
+        RUN: uuid4().hex,
+        IDENTITY: identity(assembly, settings),
         "title": assembly.system.name,
         "case": assembly.system.name,
         "system": assembly.system.path.name,
@@ -62,5 +57,5 @@ def _attributes(
         "parameters": json.dumps(master.parameters),
         "all_parameters": json.dumps(all_parameters(assembly.fmus, master.parameters)),
         "fmus": json.dumps(fmus),
-        "versions": json.dumps({"python": platform.python_version(), **{p: version(p) for p in PACKAGES}}),
+        "versions": json.dumps(versions()),
     }

@@ -19,11 +19,14 @@ from numpy.typing import NDArray
 
 from ..coupling.assembly import Assembly
 from ..coupling.master import Master
-from ..errors import InputError
+from ..coupling.settings import Settings
+from ..errors import InputError, SimulationError
 from ..results.file import ResultsFile
+from .attributes import RUN
+from .identity import difference, resolved
 from .scenario import Scenario
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file format."""
 
 _NUMBERS = ("u", "u_word", "y", "y_word", "energy", "u_scale", "sweeps")
@@ -38,6 +41,8 @@ class Checkpoint:
     ----------
     path : the file
     scenario : what was asked for
+    run : random digits that only this run and its results have
+    resolved : what the identity of the scenario is the hash of
     checksums : of the FMUs, by component
     states : of the FMUs, by component
     numbers : the master's arrays
@@ -45,11 +50,12 @@ class Checkpoint:
     wall : wall time so far [s]
     results : the results file
     rows : its rows when the checkpoint was made
-    header : size of its header [bytes]
     """
 
     path: Path
     scenario: Scenario
+    run: str
+    resolved: Mapping[str, Any]
     checksums: Mapping[str, str]
     states: Mapping[str, bytes]
     numbers: Mapping[str, NDArray[Any]]
@@ -57,7 +63,17 @@ class Checkpoint:
     wall: float
     results: Path
     rows: int
-    header: int
+
+    def check(self, assembly: Assembly, settings: Settings) -> None:
+        """Raise InputError if what would run now is not what was run until the checkpoint."""
+        for name, fmu in assembly.fmus.items():
+            if self.checksums.get(name, fmu.checksum) != fmu.checksum:
+                raise InputError(f"{self.path}: {name} ({fmu.path}) is not the FMU that the checkpoint was made with")
+        other = difference(self.resolved, resolved(assembly, settings))
+        if other is not None:
+            raise InputError(f"{self.path}: the run cannot go on, as it is another one now: {other}")
+        if not 0 <= self.steps <= settings.steps or self.states.keys() != assembly.fmus.keys():
+            raise InputError(f"{self.path}: is damaged: its steps and states are not those of the run")
 
     def restore(self, master: Master) -> None:
         """Put the state of the run into a master that is initialised.
@@ -65,13 +81,17 @@ class Checkpoint:
         Raises
         ------
         InputError
-            If an FMU is not the one that the checkpoint was made with.
+            If the numbers or states are not those of such a run.
         """
-        for name, fmu in master.assembly.fmus.items():
-            if self.checksums.get(name) != fmu.checksum:
-                raise InputError(f"{self.path}: {name} ({fmu.path}) is not the FMU that the checkpoint was made with")
-        for name, instance in master.instances.items():
-            instance.restore(self.states[name])
+        for name, values in self.numbers.items():
+            own = getattr(master.plan, name)
+            if values.shape != own.shape or values.dtype != own.dtype:
+                raise InputError(f"{self.path}: is damaged: its numbers {name} are not those of the run")
+        try:
+            for name, instance in master.instances.items():
+                instance.restore(self.states[name])
+        except SimulationError as error:
+            raise InputError(f"{self.path}: {error}") from None
         for name, values in self.numbers.items():
             getattr(master.plan, name)[...] = values
         master.refresh()
@@ -85,8 +105,15 @@ def check_serialisable(assembly: Assembly) -> None:
             raise InputError(f"checkpoint: {name} ({fmu.path.name}) cannot serialise its state, so it cannot be kept")
 
 
-def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: ResultsFile) -> None:
+def write_checkpoint(
+    path: Path, scenario: Scenario, master: Master, results: ResultsFile, known: Mapping[str, Any]
+) -> None:
     """Write a checkpoint; the file that was there before stays whole until the new one is.
+
+    Parameters
+    ----------
+    results : the results of the run, which are on the disk before the checkpoint says so
+    known : what the identity of the scenario is the hash of
 
     Raises
     ------
@@ -102,12 +129,13 @@ def write_checkpoint(path: Path, scenario: Scenario, master: Master, results: Re
         "wall": master.progress.wall,
         "results": str(results.path.absolute()),
         "rows": results.rows,
-        "header": results.header,
+        "run": results.attributes[RUN],
+        "resolved": known,
     }
     arrays = {f"number_{name}": getattr(master.plan, name) for name in _NUMBERS}
     for name, instance in master.instances.items():
         arrays[f"state_{name}"] = np.frombuffer(instance.save(), dtype=np.uint8)
-    partial = path.with_name(f"{path.name}.partial")
+    partial = path.with_name(f".{results.attributes[RUN]}.partial")  # of this run alone
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with partial.open("wb") as file:
@@ -150,14 +178,15 @@ def read_checkpoint(path: Path) -> Checkpoint:
         return Checkpoint(
             path,
             Scenario(**{**fields, "sources": sources}),
+            str(head["run"]),
+            head["resolved"],
             head["checksums"],
             {name.removeprefix("state_"): a.tobytes() for name, a in arrays.items() if name.startswith("state_")},
             {name: arrays[f"number_{name}"] for name in _NUMBERS},
-            head["steps"],
-            head["wall"],
+            int(head["steps"]),
+            float(head["wall"]),
             Path(head["results"]),
-            head["rows"],
-            head["header"],
+            int(head["rows"]),
         )
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: is not a checkpoint of curvesqueal: {error}") from None

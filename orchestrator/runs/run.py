@@ -15,8 +15,9 @@ from ..results.file import ResultsFile, open_results
 from ..results.formats import require_parquet, write_csv, write_parquet
 from ..signals.summary import Summary, summarise
 from ..stability.scheme import Spurious, spurious_growth
-from .attributes import _attributes
+from .attributes import IDENTITY, RUN, _attributes
 from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
+from .identity import identity, resolved
 from .outcome import Outcome
 from .scenario import Scenario
 from .stopping import stop_on_signals
@@ -82,11 +83,11 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     with Master(assembly, settings) as master:
         for notice in (*assembly.notices, *master.notices):
             report.notice(notice)
-        path = _claim(folder, assembly.system.name)
+        attributes = _attributes(scenario, assembly, settings, master)
         try:
-            results = ResultsFile(path, master.signals(), _attributes(scenario, assembly, settings, master))
+            results = ResultsFile.claim(folder, assembly.system.name, master.signals(), attributes)
         except OSError as failure:
-            raise SimulationError(f"{path}: cannot write results: {failure.strerror or failure}") from None
+            raise SimulationError(f"{folder}: cannot write results: {failure.strerror or failure}") from None
         return _go(scenario, master, results, report, keeping)
 
 
@@ -100,9 +101,21 @@ def resume(checkpoint: Path, report: Report, every: float = Keeping.every) -> Ou
     """
     kept = read_checkpoint(checkpoint)
     assembly, settings = kept.scenario.prepare()
+    kept.check(assembly, settings)
     with Master(assembly, settings) as master:
-        kept.restore(master)
-        results = ResultsFile.reopen(kept.results, master.signals(), kept.header, kept.rows)
+        results = ResultsFile.reopen(
+            kept.results, master.signals(), {RUN: kept.run, IDENTITY: identity(assembly, settings)}
+        )
+        try:
+            latest = read_checkpoint(checkpoint)  # whoever had the lock before may have moved it on
+            if (latest.run, latest.results) != (kept.run, kept.results):
+                raise InputError(f"{checkpoint}: another run has written its checkpoint here meanwhile; try again")
+            latest.check(assembly, settings)
+            latest.restore(master)
+            results.cut(latest.rows)
+        except BaseException:
+            results.close()
+            raise
         return _go(kept.scenario, master, results, report, Keeping(checkpoint, every))
 
 
@@ -110,21 +123,22 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
     """Step to the end, keep checkpoints on the way, and sum up."""
     error = None
     last = time.monotonic()
+    known = {} if keeping is None else resolved(master.assembly, master.settings)
 
     def follow(latest: Progress) -> None:
         nonlocal last
         if keeping is not None and time.monotonic() - last >= keeping.every:
-            write_checkpoint(keeping.path, scenario, master, results)
+            write_checkpoint(keeping.path, scenario, master, results, known)
             last = time.monotonic()
         report.progress(latest)
 
     with results, stop_on_signals() as stop_requested:
         if keeping is not None:
-            write_checkpoint(keeping.path, scenario, master, results)
+            write_checkpoint(keeping.path, scenario, master, results, known)
         try:
             master.run(results, follow, stop_requested)
             if keeping is not None:
-                write_checkpoint(keeping.path, scenario, master, results)
+                write_checkpoint(keeping.path, scenario, master, results, known)
         except (SimulationError, InputError) as failure:
             error = str(failure)
         except OSError as failure:
@@ -161,25 +175,3 @@ def _finish(
             said = f"cannot write beside {path}: {failure.strerror or failure}"
             raise SimulationError(f"{error}; {said}" if error else said) from None
         return summary, picture, judged
-
-
-def _claim(folder: Path, name: str) -> Path:
-    """Return the path of an empty new file in `folder`; no other run, earlier or at the same time, gets the same.
-
-    Raises
-    ------
-    SimulationError
-        If nothing can be written there.
-    """
-    number = 1
-    while True:
-        path = folder / (f"{name}.nc" if number == 1 else f"{name}-{number}.nc")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.touch(exist_ok=False)
-        except FileExistsError:
-            number += 1
-        except OSError as failure:
-            raise SimulationError(f"{path}: cannot write results: {failure.strerror or failure}") from None
-        else:
-            return path

@@ -11,6 +11,7 @@ from scipy.signal import fftconvolve
 
 from ..stability.poles import Poles
 from .axes import lateral_and_normal
+from .lines import is_irregular
 from .spectra import regular
 from .summary import dominant_frequency, sample_interval, spectrum
 
@@ -84,6 +85,7 @@ class LimitCycle:
     harmonics : the dominant tone and its multiples
     stick, contact_lost : parts of the time [-]; None without a contact
     normal_force, friction_force : smallest and largest [N]; None without a contact
+    irregular : whether the motion has no line spectrum, so that its dominant frequency is no tone; None if not known
     """
 
     frequency_hz: float | None
@@ -97,6 +99,7 @@ class LimitCycle:
     contact_lost: float | None
     normal_force: tuple[float, float] | None
     friction_force: tuple[float, float] | None
+    irregular: bool | None
 
     @property
     def squeals(self) -> bool:
@@ -142,6 +145,7 @@ def limit_cycle(data: xr.Dataset) -> LimitCycle:
         contact_lost=None if normal is None else float((normal <= 0).mean()),
         normal_force=None if normal is None else (float(normal.min()), float(normal.max())),
         friction_force=None if friction is None else (float(friction.min()), float(friction.max())),
+        irregular=is_irregular(lateral, interval),
     )
 
 

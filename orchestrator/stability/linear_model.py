@@ -181,6 +181,11 @@ def _without_rounding(contact: LinearContact, law: Mapping[str, float]) -> Linea
     return replace(contact, H1=H1, h2=np.where(np.abs(contact.h2) > rounding * size, contact.h2, 0.0))
 
 
+def component_names(assembly: Assembly) -> dict[str, str]:
+    """Return which component is wheel, rail and contact; errors as of `model_of_assembly`."""
+    return _places(assembly)[0]
+
+
 def _places(assembly: Assembly) -> tuple[dict[str, str], set[str]]:
     """Return which component is wheel, rail and contact, and which structures are connected just as the contract says.
 

@@ -17,6 +17,7 @@ from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
 from ...runs.verdict import energy_share
+from ...signals.lines import is_irregular
 from ...signals.summary import sample_interval, summarise
 from ...sound.levels import sound_of
 from ...sound.wheelset import wheelset_of
@@ -37,6 +38,7 @@ COARSEST_HZ = 7.5
 QUANTITIES = (
     Quantity("squeals", "1", "1 if the wheel vibrates laterally at the end of the run, 0 if not"),
     Quantity("tone", "Hz", "dominant frequency of the wheel's lateral velocity, second half", lacks=True),
+    Quantity("irregular", "1", "1 if that is no tone, for the motion has no line spectrum, 0 if it is", lacks=True),
     Quantity("mode", "", "wheel mode with the largest velocity in the second half"),
     Quantity("level", "dB", "A-weighted sound pressure level, second half", lacks=True),
     Quantity("level_low", "dB", "lower end of the band of the level", lacks=True),
@@ -87,9 +89,12 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
     summary = summarise(data)
     lateral = summary.wheel_velocity_rms.get("lat", np.nan)
     share = energy_share(progress)
+    loud = lateral > QUIET * sliding
+    irregular = is_irregular(data["wheel.v_lat"].to_numpy(), sample_interval(data)) if loud else None
     return {
-        "squeals": float(lateral > QUIET * sliding),
+        "squeals": float(loud),
         "tone": _number(summary.dominant_frequency_hz),
+        "irregular": _number(irregular),
         **_heard(data, wheelset),
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),

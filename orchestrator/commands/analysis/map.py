@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json as json_format
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -107,7 +106,11 @@ def _tones(data: xr.Dataset, path: Path) -> dict[str, Any]:
 
     found = ended_tones(data)
     draw_competition(str(data.attrs["title"]), {"runs": found}, _picture(path))
-    return {"confidence": 0.95, "tones": [{**asdict(t), "share": t.share} for t in found], "picture": str(path)}
+    return {
+        "confidence": 0.95,
+        "tones": [t.as_data() for t in found],
+        "picture": str(path),
+    }
 
 
 def _table(found: dict[str, Any]) -> Table:
@@ -123,8 +126,9 @@ def _table(found: dict[str, Any]) -> Table:
     if "tones" in found:
         table = Table("tone", "runs", "share", "95 % confidence", title="tones", title_justify="left")
         for t in found["tones"]:
-            name = "at rest" if t["frequency_hz"] is None else f"{t['frequency_hz']:.1f} Hz"
-            table.add_row(name, f"{t['count']} of {t['of']}", f"{t['share']:.0%}", f"{t['low']:.0%} to {t['high']:.0%}")
+            table.add_row(
+                t["words"], f"{t['count']} of {t['of']}", f"{t['share']:.0%}", f"{t['low']:.0%} to {t['high']:.0%}"
+            )
         return table
     values = [v for row in found["value"] for v in row if v is not None]
     table = Table(title=f"{found['colour']} [{found['unit']}]", title_justify="left")

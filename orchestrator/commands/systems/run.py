@@ -49,6 +49,10 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
     ] = None,
     seed: Seed = None,
+    start_cycle: Annotated[
+        float | None,
+        typer.Option(help="Start on the limit cycle near this frequency [Hz], as `cycle` finds it: no growth phase."),
+    ] = None,
     record_every: Annotated[int, typer.Option(help="Record after every this many steps.")] = 4,
     record: Annotated[
         list[str] | None,
@@ -87,6 +91,10 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
         timeout=timeout if isolate else None,
         strict=strict,
     )
+    if start_cycle is not None:
+        from ...runs.starts import on_cycle  # noqa: PLC0415 - compiles the cycles' kernels
+
+        scenario = on_cycle(scenario, start_cycle)
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with _progress_bar() as progress:
         outcome = running.run_scenario(

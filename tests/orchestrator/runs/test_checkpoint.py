@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from damaged_files import numbers
 from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
 
 from orchestrator.coupling.master import Progress
@@ -52,11 +53,11 @@ def test_a_run_goes_on_to_the_bit(tmp_path: Path) -> None:
     assert first.steps < read_checkpoint(keeping.path).steps < STEPS
     end = resume(keeping.path, QUIET, every=0.0)
     assert end.progress.steps == STEPS
-    assert end.results.read_bytes() == whole.results.read_bytes()
+    assert numbers(end.results) == numbers(whole.results)
     assert end.progress.energy_residual == whole.progress.energy_residual
     again = resume(keeping.path, QUIET)  # there is nothing left to do
     assert again.progress.steps == STEPS
-    assert again.results.read_bytes() == whole.results.read_bytes()
+    assert numbers(again.results) == numbers(whole.results)
 
 
 @pytest.mark.parametrize("algorithm", ["jacobi", "iterative"])
@@ -67,7 +68,7 @@ def test_other_algorithms_go_on_to_the_bit(tmp_path: Path, algorithm: str) -> No
     with pytest.raises(PowerCutError):
         run_scenario(scenario, tmp_path / "cut", cut_at(1), keeping)
     end = resume(keeping.path, QUIET)
-    assert end.results.read_bytes() == whole.results.read_bytes()
+    assert numbers(end.results) == numbers(whole.results)
 
 
 def test_a_killed_process_is_resumed_by_another(tmp_path: Path) -> None:
@@ -89,7 +90,7 @@ def test_a_killed_process_is_resumed_by_another(tmp_path: Path) -> None:
     data = json.loads(done.stdout)
     assert (data["steps"], data["completed"]) == (60_000, True)
     whole = run_scenario(Scenario("case2", duration=0.3, record_every=8), tmp_path / "whole", QUIET)
-    assert Path(data["results"]).read_bytes() == whole.results.read_bytes()
+    assert numbers(Path(data["results"])) == numbers(whole.results)
 
 
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler for the FMI 3.0 test FMU")
@@ -153,7 +154,6 @@ def test_reopened_results_drop_what_came_after(tmp_path: Path) -> None:
         file.append(np.arange(3.0), np.ones((3, 2)))
         before = path.read_bytes()
         file.append(np.arange(3.0), np.zeros((3, 2)))
-        header = file.header
-    with ResultsFile.reopen(path, COLUMNS, header, 3):
-        pass
+    with ResultsFile.reopen(path, COLUMNS, {}) as file:
+        file.cut(3)
     assert path.read_bytes() == before

@@ -14,12 +14,16 @@ from fmi3_fmu import write_ssd
 from foreign_fmus import Y, foreign_fmu, variable
 from table_fmus import COMPILER
 
-from orchestrator.results.file import open_results
-from orchestrator.runs.run import _claim
+from orchestrator.results.file import Column, ResultsFile, open_results
 
 
 def test_a_name_is_given_once(tmp_path: Path) -> None:
-    assert [_claim(tmp_path, "case1").name for _ in range(3)] == ["case1.nc", "case1-2.nc", "case1-3.nc"]
+    columns = [Column("a", "m", "")]
+    files = [ResultsFile.claim(tmp_path, "case1", columns, {}) for _ in range(3)]
+    assert [file.path.name for file in files] == ["case1.nc", "case1-2.nc", "case1-3.nc"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["case1-2.nc", "case1-3.nc", "case1.nc"]
+    for file in files:
+        file.close()
 
 
 @pytest.mark.slow
@@ -45,7 +49,7 @@ def test_two_runs_into_one_folder_are_both_right(tmp_path: Path) -> None:
         for p in (1, 2)
     ]
     paths = [Path(json.loads(run.communicate(timeout=300)[0])["results"]) for run in runs]
-    assert sorted(path.name for path in paths) == ["s-2.nc", "s.nc"]
+    assert sorted(path.name for path in paths) == ["system-2.nc", "system.nc"]
     for factor, path in zip((1, 2), paths, strict=True):
         with open_results(path) as data:
             assert data.sizes["time"] == 2501
