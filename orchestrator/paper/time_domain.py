@@ -228,7 +228,7 @@ def _rail_smaller(facts: Mapping[str, Facts]) -> Item:
     sentence = _verdict(holds, "see the numbers.") + (
         " It is true of the direction of the squeal, lateral in the contact plane. Along the contact normal no wheel "
         "can do it: the contact spring ties both together, rail over wheel is |Y33r| / |Y33r + j omega/K_H|, nearly "
-        "1. The larger vertical ratio belongs to the track's axes: the wheel's normal and lateral motion nearly cancel there."
+        "1. The larger vertical ratio belongs to track axes, where the wheel's normal and lateral motion nearly cancel."
     )
     return Item("Claim", "the rail vibrates much less than the wheel", tuple(rows), sentence)
 
