@@ -7,6 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fmus.modal.layout import DAMPING_RATIO
+from fmus.modal.parameters import names_of
+
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value
 
@@ -68,6 +71,16 @@ def spread(values: Mapping[str, Mapping[str, Value]], fmus: Mapping[str, Fmu]) -
             if not _is_pattern(f"{component}{name}"):
                 result.setdefault(component, {})[name] = value
     return result
+
+
+def labels_of(fmu: Fmu) -> list[str]:
+    """Return the labels of an FMU's modes, which stand in the descriptions of its damping ratios."""
+    names = names_of(DAMPING_RATIO, fmu.variables)
+    texts = [str(fmu.variables[name].description or "") for name in names.values()]
+    array = {text.partition("one value per mode: ")[2] for text in texts}
+    if len(array) == 1 and (labels := array.pop()):
+        return labels.split("; ")
+    return [text.partition(" of mode ")[2].partition(", ")[2] for text in texts]
 
 
 def _is_pattern(text: str) -> bool:

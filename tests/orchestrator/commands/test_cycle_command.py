@@ -6,18 +6,17 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import curvesqueal
 
 from orchestrator import InputError, cycles, load, plot_cycles
+from orchestrator.commands.analysis.cycle import cycle
 
 
-def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
+def test_json_tells_what_the_tone_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The object of one tone, and its picture."""
     picture = tmp_path / "cycle.png"
-    done = curvesqueal("cycle", "case1", "--tone", "1100", "--json", "--out", str(picture))
-    assert done.returncode == 0, done.stderr
+    cycle("case1", tone=1100.0, json=True, out=picture)
     assert picture.stat().st_size > 10_000
-    (tone,) = json.loads(done.stdout)["cycles"]
+    (tone,) = json.loads(capsys.readouterr().out)["cycles"]
     assert tone["frequency_hz"] == pytest.approx(1100.3, abs=0.1)
     assert tone["pole_hz"] == pytest.approx(1101.2, abs=0.1)
     assert tone["stable"] is True
@@ -29,6 +28,7 @@ def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
     assert lateral == pytest.approx(tone["wheel_velocity_rms"]["lat"], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_parameters_and_the_library_mean_the_same() -> None:
     """Twice the creepage makes the tone 6 dB louder: its velocity just reaches that of sliding."""
     plain, double = (
@@ -44,10 +44,8 @@ def test_parameters_and_the_library_mean_the_same() -> None:
 
 def test_a_tone_that_is_not_there_is_refused() -> None:
     """The nearest ones are named."""
-    done = curvesqueal("cycle", "case1", "--tone", "700")
-    assert done.returncode == 1
-    assert "no tone near 700 Hz" in done.stderr
-    assert "1101.2" in done.stderr
+    with pytest.raises(InputError, match=r"no tone near 700 Hz: .*1101\.2 Hz"):
+        cycles(load("case1"), tone_hz=700.0)
 
 
 def test_a_quiet_system_has_no_tone() -> None:
@@ -56,6 +54,7 @@ def test_a_quiet_system_has_no_tone() -> None:
         cycles(load("case1", values={"contact": {"mu0": 0.002}}))
 
 
+@pytest.mark.slow
 def test_all_tones_are_drawn() -> None:
     """Growth rate against amplitude and levels, with a legend and units."""
     figure = plot_cycles(cycles("case4", with_stability=False), title="case4")
