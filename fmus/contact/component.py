@@ -13,6 +13,12 @@ from .parameters import PARAMETERS
 _ACCOUNT = (("lon", "longitudinal"), ("lat", "lateral, contact axes"), ("spin", "spin"), ("normal", "contact normal"))
 """Directions of the account of energy in the order of the state, and their words."""
 
+FAILURE = (
+    "the outputs are not finite; an input or parameter is too large, or the friction table is none: it needs 2 points "
+    "or more, each farther than the one before, with friction above 0"
+)
+"""What a contact says whose forces are no numbers."""
+
 
 def contact(mobility: Mapping[str, float] | None = None) -> Component:
     """Return the contact component with the parameters of the paper's Case 1.
@@ -49,4 +55,5 @@ def contact(mobility: Mapping[str, float] | None = None) -> Component:
         derived_size=DERIVED_SIZE,
         state_size=STATE_SIZE,
         kernels="contact.kernels",
+        failure=FAILURE,
     )
