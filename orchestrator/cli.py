@@ -52,7 +52,10 @@ COMMANDS: Table = {
         "pages.table4:table4",
         "Print Table 4 of the paper next to ours, cell by cell.",
     ),
-    "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
+    "listen": (
+        "pages.listen",
+        "Make the sound of a run, or of a case that is run first, as a WAV file.",
+    ),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
     "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),

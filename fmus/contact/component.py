@@ -10,6 +10,12 @@ from ..interface import contact_inputs, contact_outputs
 from .layout import DERIVED_SIZE, STATE_SIZE
 from .parameters import PARAMETERS
 
+FAILURE = (
+    "the outputs are not finite; an input or parameter is too large, or the friction table is none: it needs 2 points "
+    "or more, each farther than the one before, with friction above 0"
+)
+"""What a contact says whose forces are no numbers."""
+
 
 def contact(mobility: Mapping[str, float] | None = None) -> Component:
     """Return the contact component with the parameters of the paper's Case 1.
@@ -39,4 +45,5 @@ def contact(mobility: Mapping[str, float] | None = None) -> Component:
         derived_size=DERIVED_SIZE,
         state_size=STATE_SIZE,
         kernels="contact.kernels",
+        failure=FAILURE,
     )

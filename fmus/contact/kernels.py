@@ -21,6 +21,7 @@ from ..creep.blended import spin_flexibility, volumes
 from ..creep.fastsim import bound_volume, flexibilities
 from ..creep.kalker import creepage_coefficients
 from .derivatives import differentiate
+from .friction.coefficient import prepare_friction
 from .implicit import renew_newton_matrix, solve_creep_forces
 from .law import law, normal_force
 from .layout import OUT, STATE_SIZE, D, S
@@ -115,6 +116,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     derived[D.spin_arm] = math.sqrt(a * b)
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])
+    prepare_friction(parameters, derived)
     derived[D.approach] = 1.5 * parameters[P.normal_load] / parameters[P.hertz_stiffness]
     load = parameters[P.normal_load]
     derived[D.f_lon], derived[D.f_lat], derived[D.f_spin] = law(parameters, derived, 0.0, 0.0, 0.0, load)

@@ -3,6 +3,7 @@
 from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs
+from .friction_parameters import TABLE_POINTS
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
@@ -40,4 +41,9 @@ STATE_SIZE = S.newton + 9
 SCRATCH = D.mobility + 16
 """Position of the scratch space of FASTSIM in the derived quantities."""
 
-DERIVED_SIZE = SCRATCH + SCRATCH_SIZE
+FRICTION = SCRATCH + SCRATCH_SIZE
+FRICTION_SLOPES = FRICTION + 1
+FRICTION_WORK = FRICTION_SLOPES + TABLE_POINTS
+"""Of a friction table: friction without sliding, the slopes at its points, and space to solve for them."""
+
+DERIVED_SIZE = FRICTION_WORK + TABLE_POINTS

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..limit_cycles.catalogue import Catalogue
-from ..limit_cycles.ends import end_words, missing_words
 from ..limit_cycles.search import cycles_of
 from ..runs.scenario import Scenario
 from ..signals.tones import SAME_TONE, Tone, tones_of_runs
+from .ends import end_words, missing_words
 from .plan import Plan, make_plan
 from .rows import DONE, FAILED
 from .store import open_campaign
@@ -79,10 +79,15 @@ class Ended:
     lateral_rms: dict[str, list[float]]
 
 
-def competition_plan(system: str, starts: Starts, duration: float | None = None, step: float | None = None) -> Plan:
-    """Return the plan of a competition: every start and stiffness with every seed."""
-    where: dict[str, Any] = {"file" if Path(system).suffix else "case": system}
-    where |= {name: value for name, value in (("duration", duration), ("step", step)) if value is not None}
+def competition_plan(scenario: Scenario, starts: Starts) -> Plan:
+    """Return the plan of a competition: every start and stiffness of a scenario with every seed."""
+    where: dict[str, Any] = {"file" if Path(scenario.system).suffix else "case": scenario.system}
+    how = {"duration": scenario.duration, "step": scenario.step}
+    where |= {name: value for name, value in how.items() if value is not None}
+    if scenario.values:
+        where["set"] = {f"{c}.{name}": value for c, own in scenario.values.items() for name, value in own.items()}
+    if scenario.sources:
+        where["replace"] = {name: str(file.absolute()) for name, file in scenario.sources.items()}
     vary: dict[str, Any] = {}
     if starts.stiffness:
         vary[_SPRING] = list(dict.fromkeys(starts.stiffness))
@@ -144,8 +149,12 @@ def against_cycles(plan: Plan, ended: Ended) -> dict[str, tuple[str, ...]]:
     for group, found in ended.groups.items():
         spring = group.rpartition(", ")[2].removesuffix(" N/m") if group.endswith("N/m") else ""
         if spring not in known:
-            values = {"contact": {"hertz_stiffness": spring}} if spring else {}
-            assembly, settings = Scenario(plan.base.system, step=plan.base.step, values=values).prepare()
+            base = plan.base
+            values = {name: dict(own) for name, own in base.values.items()}
+            if spring:
+                values.setdefault("contact", {})["hertz_stiffness"] = spring
+            sources = {name: Path(file) for name, file in base.sources.items()}
+            assembly, settings = Scenario(base.system, step=base.step, values=values, sources=sources).prepare()
             known[spring] = cycles_of(assembly, settings.step)
         tones = [t.frequency_hz for t in found if t.frequency_hz is not None]
         lines = [

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,28 +69,6 @@ class Wiring:
             numeric = [v for v in fmu.names("output") if fmu.variables[v].type in NUMERIC]
             outputs += [(name, variable) for variable in call_order(fmu, numeric)]
         return cls(tuple(inputs), tuple(outputs), tuple(dict.fromkeys(b.direction for b in assembly.bonds)))
-
-    @cached_property
-    def _places(self) -> tuple[dict[str, slice], dict[str, slice]]:
-        return _parts([each.key[0] for each in self.inputs]), _parts([name for name, _ in self.outputs])
-
-    def inputs_of(self, component: str) -> slice:
-        """Return where the inputs of a component stand."""
-        return self._places[0].get(component, slice(0, 0))
-
-    def outputs_of(self, component: str) -> slice:
-        """Return where the outputs of a component stand."""
-        return self._places[1].get(component, slice(0, 0))
-
-
-def _parts(owners: Sequence[str]) -> dict[str, slice]:
-    """Return where each component's entries stand in a list in which they follow each other."""
-    begin, parts = 0, {}
-    for owner, group in groupby(owners):
-        count = sum(1 for _ in group)
-        parts[owner] = slice(begin, begin + count)
-        begin += count
-    return parts
 
 
 def _input(key: Key, link: Link | None, assembly: Assembly) -> Input:

@@ -23,7 +23,8 @@ STEADY = 0.05
 """A vibration is steady if its levels in the quarters of the second half differ by less than this part."""
 
 SQUEAL_VELOCITY = 1e-3
-"""Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]."""
+"""Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]: half a per cent of the sliding velocity
+of the cases. A limit cycle reaches the sliding velocity; what a stable system has left of its start is far below."""
 
 LINEAR_VELOCITY = 0.02
 """Lateral velocity up to which growth counts as linear [m/s]: a tenth of the sliding velocity."""
@@ -79,7 +80,6 @@ class LimitCycle:
     unsteadiness : largest relative difference of the rms in its two halves from the whole
     rail_to_wheel : rms ratio by direction; absent where the wheel is at rest or there is no rail
     second_tone_db : level of the strongest line that is no harmonic, relative to the dominant tone [dB]
-    second_tone_hz : its frequency [Hz]
     harmonics : the dominant tone and its multiples
     stick, contact_lost : parts of the time [-]; None without a contact
     normal_force, friction_force : smallest and largest [N]; None without a contact
@@ -91,7 +91,6 @@ class LimitCycle:
     unsteadiness: float
     rail_to_wheel: dict[str, float]
     second_tone_db: float
-    second_tone_hz: float
     harmonics: tuple[Harmonic, ...]
     stick: float | None
     contact_lost: float | None
@@ -129,15 +128,13 @@ def limit_cycle(data: xr.Dataset) -> LimitCycle:
     rms = _rms(lateral)
     frequency = dominant_frequency(lateral, interval)
     quarters = [_rms(part) for part in np.array_split(lateral, 2)]
-    second_db, second_hz = _second_tone(lateral, interval, frequency)
     normal, friction, stick = _contact(half)
     return LimitCycle(
         frequency_hz=frequency,
         lateral_rms=rms,
         unsteadiness=max(abs(q / rms - 1) for q in quarters) if rms > 0 else 0.0,
         rail_to_wheel=_ratios(half),
-        second_tone_db=second_db,
-        second_tone_hz=second_hz,
+        second_tone_db=_second_tone(lateral, interval, frequency),
         harmonics=_harmonics(half, interval, frequency),
         stick=stick,
         contact_lost=None if normal is None else float((normal <= 0).mean()),
@@ -164,16 +161,16 @@ def _ratios(half: xr.Dataset) -> dict[str, float]:
     return ratios
 
 
-def _second_tone(signal: Real, interval: float, frequency: float | None) -> tuple[float, float]:
-    """Return level re the dominant tone [dB] and frequency [Hz] of the strongest line away from its harmonics."""
+def _second_tone(signal: Real, interval: float, frequency: float | None) -> float:
+    """Return the level re the dominant tone of the strongest line away from its harmonics [dB]."""
     f, amplitude = spectrum(signal, interval)
     if frequency is None:
-        return -np.inf, 0.0
+        return -np.inf
     other = np.abs(f - frequency * np.round(f / frequency)) > max(0.02 * frequency, 4 * f[1])
     other &= f > 20
-    k = int(np.where(other, amplitude, 0.0).argmax())
+    strongest = np.where(other, amplitude, 0.0).max()
     with np.errstate(divide="ignore"):
-        return float(20 * np.log10(amplitude[k] / amplitude.max())), float(f[k])
+        return float(20 * np.log10(strongest / amplitude.max()))
 
 
 def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tuple[Harmonic, ...]:

@@ -12,14 +12,16 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from ...errors import InputError
+from ...runs.changes import Changes
+from ..options import System, changes_system
 from ..tools import Json, messages, notice, say, screen
 
 
-def competition(  # noqa: PLR0913, PLR0917 - one argument per option
-    case: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+@changes_system
+def competition(  # noqa: PLR0913 - one argument per option
+    case: System,
+    *,
+    changes: Changes,
     runs: Annotated[int, typer.Option(help="Starts for every start mode and stiffness.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the first start; the next ones count up.")] = 0,
     start_mode: Annotated[
@@ -47,7 +49,8 @@ def competition(  # noqa: PLR0913, PLR0917 - one argument per option
     from ...figures.competition import draw_competition  # noqa: PLC0415
     from ...runs.stopping import stop_on_signals  # noqa: PLC0415
 
-    plan = competition_plan(case, Starts(runs, seed, start_mode or (), stiffness or ()), duration, step)
+    starts = Starts(runs, seed, start_mode or (), stiffness or ())
+    plan = competition_plan(changes.scenario(case, duration=duration, step=step), starts)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with (
         Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar,

@@ -10,18 +10,17 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
+from ...runs.changes import Changes
+from ..options import System, changes_system
+from ..tools import Json, screen
 
 
+@changes_system
 def coupling(
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+    system: System,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
-    values: Values = None,
-    replace: Replace = None,
+    *,
+    changes: Changes,
     json: Json = False,
 ) -> None:
     """Show what each master algorithm does to the growth rates, mode by mode, and the largest safe step.
@@ -33,8 +32,7 @@ def coupling(
     from ...stability.scheme import TOLERATED, as_json  # noqa: PLC0415 - keeps the start of the other commands short
     from ...stability.step_map import BELOW_HZ, WEAK  # noqa: PLC0415
 
-    scenario = Scenario(system, step=step, values=parse_values(values or []), sources=parse_sources(replace or []))
-    assembly, settings = scenario.prepare()
+    assembly, settings = changes.scenario(system, step=step).prepare()
     try:
         data = as_json(model_of_assembly(assembly, settings.step), settings.step)
     except InputError as reason:

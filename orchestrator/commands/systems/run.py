@@ -2,50 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from ...coupling import master
 from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
 from ...errors import SimulationError
 from ...runs import run as running
-from ...runs import treatments
+from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
+from ..options import System, changes_system
+from ..progress import run_bar
+from ..tools import Json, Seed, notice, say, screen
 
 Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
 
 CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between checkpoints [s].")]
 
 
-def run(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+@changes_system
+def run(  # noqa: PLR0913 - one argument per option
+    system: System,
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Values = None,
-    replace: Replace = None,
-    damp: Annotated[
-        list[str] | None,
-        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
-    ] = None,
-    rail: Annotated[
-        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
-    ] = None,
+    *,
+    changes: Changes,
     seed: Seed = None,
     start_cycle: Annotated[
         float | None,
@@ -71,18 +59,11 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
     """
-    sources, given = parse_sources(replace or []), parse_values(values or [])
-    if rail is not None:
-        sources["rail"] = treatments.rail_named(rail)
-    if damp:
-        given = treatments.damping_values(system, sources, given, damp)
-    scenario = Scenario(
-        system=system,
+    scenario = changes.scenario(
+        system,
         duration=duration,
         step=step,
         algorithm=algorithm,
-        values=given,
-        sources=sources,
         seed=seed,
         record_every=record_every,
         record=patterns(record),
@@ -94,7 +75,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
         scenario = on_cycle(scenario, start_cycle)
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.run_scenario(
             scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
         )
@@ -108,7 +89,7 @@ def resume(
     json: Json = False,
 ) -> None:
     """Go on with a run from its checkpoint, to the bit as if it had never stopped; the results file grows."""
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.resume(checkpoint, running.Report(progress, notice, csv), checkpoint_every)
     _tell(outcome, json)
 
@@ -126,25 +107,6 @@ def _tell(outcome: Outcome, json: bool) -> None:
         raise typer.Exit(130)
     if outcome.progress.ended is not None:
         notice(outcome.progress.ended)
-
-
-@contextmanager
-def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
-    """Show a bar on the error stream, with simulated time and time to go."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
-    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
-        task = bar.add_task("loading", total=None, now="")
-
-        def report(progress: master.Progress) -> None:
-            bar.update(
-                task,
-                description="simulating",
-                total=progress.total,
-                completed=progress.steps,
-                now=f"{progress.steps / progress.total:.0%}",
-            )
-
-        yield report
 
 
 def _show(outcome: Outcome) -> None:
