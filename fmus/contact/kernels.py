@@ -20,6 +20,7 @@ from ..compile import kernel
 from ..creep.blended import spin_flexibility, volumes
 from ..creep.fastsim import bound_volume, flexibilities
 from ..creep.kalker import creepage_coefficients
+from .account import keep_account
 from .derivatives import differentiate
 from .friction.coefficient import prepare_friction
 from .implicit import renew_newton_matrix, solve_creep_forces
@@ -50,6 +51,7 @@ def mean_pulse(parameters, begin, end):  # type: ignore[no-untyped-def]
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
     v, v_normal, v_integrated, u_normal = relative_motion(parameters, derived, inputs)
+    keep_account(parameters, derived, state, v, v_integrated, u_normal, h)
     ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, v_integrated, u_normal, h)
     load = normal_force(parameters, derived, deflection)
     f_normal = load - parameters[P.normal_load]

@@ -12,10 +12,13 @@ OUT = positions("OUT", (port.name for port in contact_outputs()))
 S = positions(
     "S",
     (
+        *("energy_added_lon", "energy_added_lat", "energy_added_spin", "energy_added_normal"),  # local variables
         *("f_lon", "f_lat", "f_spin", "f_normal"),  # forces that are held now: fluctuations, contact axes
         *("d_lon", "d_lat", "d_spin", "d_normal"),  # how much they changed the last time
         *("v_lon", "v_lat", "v_spin", "v_normal"),  # relative velocities that came in before
         *("w_lon", "w_lat", "w_spin"),  # relative velocities that the law was solved at
+        *("was_lon", "was_lat", "was_spin"),  # those of the forces before
+        *("place", "way_integrated", "v_integrated"),  # normal displacement, its integrated part and that's velocity
         *("held_lon", "held_lat", "held_spin", "held_normal"),  # Y F of the held forces; this and what follows: delay
         *("known_lon", "known_lat", "known_spin", "known_normal"),  # change of the velocities by known forces
         *("rest_lon", "rest_lat", "rest_spin", "rest_normal"),  # the rest of their last change

@@ -32,6 +32,9 @@ TEMPLATES = Path(__file__).parent / "templates"
 CLIP_S = 6.0
 """Longest sound that the page carries [s]."""
 
+_ADDED = "contact.energy_added_"
+"""Columns of the energy that holding the forces adds, by direction."""
+
 _ALGORITHMS = ("staggered", "jacobi")
 _LEAST_ROWS = 100
 
@@ -157,7 +160,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         sound=sound,
         silence=silence,
         audio=_audio(data) if sound is not None and cycle.squeals else None,
-        residual={str(n).rpartition(".")[2]: float(data[n][-1]) for n in data.data_vars if "energy_residual" in str(n)},
+        residual={str(n).removeprefix(_ADDED): float(data[n][-1]) for n in data.data_vars if str(n).startswith(_ADDED)},
         spurious=_spurious(data, model, unknown),
         plots=_plots(data, model, sound),
     )

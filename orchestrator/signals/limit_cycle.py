@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from ..stability.poles import Poles
+from .axes import lateral_and_normal
 from .lines import is_irregular
 from .spectra import regular
 from .summary import dominant_frequency, sample_interval, spectrum
@@ -60,7 +61,7 @@ class Harmonic:
     Attributes
     ----------
     number : 1 is the dominant tone
-    wheel, rail : by direction, lat and ver
+    wheel, rail : by direction: lat and ver, and plane and normal where the contact angle is known
     """
 
     number: int
@@ -78,7 +79,8 @@ class LimitCycle:
     frequency_hz : dominant frequency of the wheel's lateral velocity; None at rest
     lateral_rms : of the wheel [m/s]
     unsteadiness : largest relative difference of the rms in its two halves from the whole
-    rail_to_wheel : rms ratio by direction; absent where the wheel is at rest or there is no rail
+    rail_to_wheel : rms ratio by direction: lat and ver, and in contact axes plane and normal; absent where the wheel is
+        at rest or there is no rail
     second_tone_db : level of the strongest line that is no harmonic, relative to the dominant tone [dB]
     harmonics : the dominant tone and its multiples
     stick, contact_lost : parts of the time [-]; None without a contact
@@ -153,12 +155,9 @@ def _rms(values: Real) -> float:
 
 
 def _ratios(half: xr.Dataset) -> dict[str, float]:
-    """Return rms velocity of the rail over that of the wheel, by direction."""
-    ratios = {}
-    for d in ("lat", "ver"):
-        if f"rail.v_{d}" in half and (wheel := _rms(_values(half, f"wheel.v_{d}"))) > 0:
-            ratios[d] = _rms(_values(half, f"rail.v_{d}")) / wheel
-    return ratios
+    """Return rms velocity of the rail over that of the wheel, by direction of track and contact."""
+    wheel, rail = (lateral_and_normal(half, component) for component in ("wheel", "rail"))
+    return {d: _rms(rail[d]) / size for d in rail if d in wheel and (size := _rms(wheel[d])) > 0}
 
 
 def _second_tone(signal: Real, interval: float, frequency: float | None) -> float:
@@ -180,11 +179,10 @@ def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tu
     found: dict[str, dict[str, list[float]]] = {"wheel": {}, "rail": {}}
     count = min(HARMONICS, int(0.5 / (interval * frequency)))
     for component, lines in found.items():
-        for d in ("lat", "ver"):
-            if f"{component}.v_{d}" in half:
-                f, amplitude = spectrum(_values(half, f"{component}.v_{d}"), interval)
-                near = [np.abs(f - k * frequency) < max(3.0, 3 * f[1]) for k in range(1, count + 1)]
-                lines[d] = [float(amplitude[n].max()) for n in near]
+        for d, velocity in lateral_and_normal(half, component).items():
+            f, amplitude = spectrum(velocity, interval)
+            near = [np.abs(f - k * frequency) < max(3.0, 3 * f[1]) for k in range(1, count + 1)]
+            lines[d] = [float(amplitude[n].max()) for n in near]
     return tuple(
         Harmonic(
             k + 1,

@@ -16,6 +16,7 @@ from fmus.wheel.wheelset import Wheelset
 from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
+from ...runs.verdict import energy_share
 from ...signals.limit_cycle import SQUEAL_VELOCITY
 from ...signals.lines import is_irregular
 from ...signals.summary import sample_interval, summarise
@@ -83,9 +84,9 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
         wheelset = _wheelset(prepared, master, data)
     summary = summarise(data)
     lateral = summary.wheel_velocity_rms.get("lat", np.nan)
+    share = energy_share(progress)
     loud = lateral > SQUEAL_VELOCITY
     irregular = is_irregular(data["wheel.v_lat"].to_numpy(), sample_interval(data)) if loud else None
-    into = sum(abs(v) for v in progress.energy_into_structures.values())
     return {
         "squeals": float(loud),
         "tone": _number(summary.dominant_frequency_hz),
@@ -94,7 +95,7 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),
         "growth_seen": _number(summary.growth_rate),
-        "energy_residual": sum(progress.energy_residual.values()) / into if into else np.nan,
+        "energy_residual": np.nan if share is None else share,
     }
 
 
