@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..limit_cycles.catalogue import Catalogue
-from ..limit_cycles.ends import end_words, missing_words
 from ..limit_cycles.search import cycles_of
 from ..runs.scenario import Scenario
 from ..signals.tones import SAME_TONE, Tone, tones_of_runs
+from .ends import end_words, missing_words
 from .plan import Plan, make_plan
 from .rows import DONE, FAILED
 from .store import open_campaign

@@ -1,4 +1,4 @@
-"""How commands change a system, the same for all: `--set`, `--replace`, `--rail`, `--wheel`, `--damp`."""
+"""How commands change a system, the same for all: `--set`, `--replace`, `--rail`, `--wheel`, `--damp`, `--friction`."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ from typing import Annotated, Any
 
 import typer
 
+from fmus.contact.friction.named import NAMED
+
 from ..errors import InputError
 from ..fmi.instance import Value
 from ..runs.changes import Changes
+from ..system.friction import FRICTION
 
 System = Annotated[
     str,
@@ -38,6 +41,10 @@ OPTIONS: dict[str, Any] = {
     "damp": Annotated[
         Texts,
         typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
+    ],
+    "friction": Annotated[
+        str | None,
+        typer.Option(help=f"Friction law of the contact: {', '.join(NAMED)}, or a CSV file of creepage and friction."),
     ],
 }
 """Name of an argument: its option. None is the default of each."""
@@ -71,9 +78,14 @@ def changes_system(command: Callable[..., None], **others: Any) -> Callable[...,
     return called
 
 
-def changes_of(values: Texts, replace: Texts, rail: str | None, wheel: str | None, damp: Texts) -> Changes:
+def changes_of(
+    values: Texts, replace: Texts, rail: str | None, wheel: str | None, damp: Texts, friction: str | None = None
+) -> Changes:
     """Return the changes that the options name."""
-    return Changes(parse_values(values or []), parse_sources(replace or []), rail, wheel, tuple(damp or []))
+    given = parse_values(values or [])
+    if friction is not None:
+        given.setdefault("contact", {})[FRICTION] = friction
+    return Changes(given, parse_sources(replace or []), rail, wheel, tuple(damp or []))
 
 
 def parse_values(texts: Iterable[str]) -> dict[str, dict[str, Value]]:

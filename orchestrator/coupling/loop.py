@@ -90,8 +90,11 @@ Plan = namedtuple(
         "scratch",  # (longest transfer,) for values that are not doubles
         "bond_force",  # (bonds,) positions in `u` of forces on structures
         "bond_velocity",  # (bonds,) positions in `y` of the velocities that belong to them
-        "bond_row",  # (bonds,) row of `energy` that a bond counts in
-        "energy",  # (rows, 2) energy residual and energy into the structures [J]
+        "bond_way",  # (bonds,) positions in `y` of the displacements that belong to them, -1: none
+        "bond_gain",  # (bonds, 2) force times velocity, and force times displacement, to W and J
+        "bond_owner",  # (bonds,) components that have the velocities
+        "bond_before",  # (bonds, 2) velocity and displacement before the step
+        "energy",  # (bonds, 2) energy that holding the forces adds, and energy into the structures [J]
     ],
 )
 """Everything that the loop reads and writes, resolved to indices before the run."""
@@ -272,14 +275,37 @@ def _step(plan, number, clock):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _count_energy(plan, h):  # type: ignore[no-untyped-def]
-    """Add the step's energy: residual h (F_new - F_held) v, and h F_held v into the structure."""
+def _remember_motion(plan):  # type: ignore[no-untyped-def]
+    """Remember the motion at the bonds before the next step."""
     for b in range(plan.bond_force.size):
+        plan.bond_before[b, 0] = plan.y[plan.bond_velocity[b]]
+        if plan.bond_way[b] >= 0:
+            plan.bond_before[b, 1] = plan.y[plan.bond_way[b]]
+
+
+@njit(inline="always")
+def _count_energy(plan, number, h):  # type: ignore[no-untyped-def]
+    """Add the step's energy into the structures, and what holding the forces adds; remember the motion.
+
+    Into a structure: the held force times the way, which is exact; where there is no displacement the way is that of
+    the trapezoidal rule. Holding adds (F_held - F_new)/2 times the way, if the forces that a contact puts out are those
+    at the communication point; one that makes them for the step ahead keeps an account of its own.
+    """
+    for b in range(plan.bond_force.size):
+        c = plan.bond_owner[b]
+        if (number + 1) % plan.period[c] != 0:
+            continue
         i = plan.bond_force[b]
         velocity = plan.y[plan.bond_velocity[b]]
+        way = 0.5 * plan.period[c] * h * plan.bond_gain[b, 0] * (velocity + plan.bond_before[b, 0])
+        if plan.bond_way[b] >= 0:
+            displacement = plan.y[plan.bond_way[b]]
+            way = plan.bond_gain[b, 1] * (displacement - plan.bond_before[b, 1])
+            plan.bond_before[b, 1] = displacement
+        plan.bond_before[b, 0] = velocity
         new = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
-        plan.energy[plan.bond_row[b], 0] += h * (new - plan.u[i]) * velocity
-        plan.energy[plan.bond_row[b], 1] += h * plan.u[i] * velocity
+        plan.energy[b, 0] += 0.5 * (plan.u[i] - new) * way
+        plan.energy[b, 1] += plan.u[i] * way
 
 
 @njit(inline="always")
@@ -293,10 +319,10 @@ def put(row, words, begin, values, wide):  # type: ignore[no-untyped-def]
 
 @njit(inline="always")
 def _record(plan, row, words):  # type: ignore[no-untyped-def]
-    """Record outputs and energy residuals."""
+    """Record outputs and the energies into the structures."""
     put(row, words, 0, Values(plan.y, plan.y_word), plan.wide)
     for e in range(plan.energy.shape[0]):
-        row[plan.y.size + e] = plan.energy[e, 0]
+        row[plan.y.size + e] = plan.energy[e, 1]
 
 
 @njit(cache=True)
@@ -310,8 +336,8 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
     first : number of steps made before
     steps : number of steps to make
     every : record after each step whose number is a multiple of this, and after the last one
-    record : (rows, outputs + energy rows) array that takes the outputs and the energy residuals, and the same memory
-        as integers, which takes the whole numbers of 64 bits
+    record : (rows, outputs + bonds) array that takes the outputs and the energies into the structures, and the same
+        memory as integers, which takes the whole numbers of 64 bits
 
     Returns
     -------
@@ -321,11 +347,12 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
     """
     plan = borrowed(plan)  # type: ignore[call-arg]
     rows = kept = 0  # `kept`: 1 if the row after those recorded holds the latest step, in case that the next one fails
+    _remember_motion(plan)
     for k in range(steps):
         what, component, status = _step(plan, first + k, clock)
         if what != OK:
             return k, rows + kept, what, component, status
-        _count_energy(plan, clock[1])
+        _count_energy(plan, first + k, clock[1])
         for j in range(plan.y.size):
             if not np.isfinite(plan.y[j]):
                 return k, rows + kept, NOT_FINITE, j, 0

@@ -78,8 +78,10 @@ class Progress:
     total : steps of the whole run
     steps : steps made
     wall : wall time in the loop [s]
-    energy_residual : energy that the scheme adds, by direction [J]
-    energy_into_structures : energy that went through the bonds, by direction [J]
+    energy_residual : energy that the scheme adds: by contact direction (lon, lat, normal, spin) from the account of a
+        contact that keeps one, else by track direction, as if the forces were meant for the communication points [J]
+    energy_into_structures : energy that the forces put into wheel and rail, by track direction [J]
+    energy_into : the same by structure (wheel, rail) [J]
     stopped : whether a stop was requested before the end
     ended : sentence that says which component ended the run before its time; None if none did
     sweeps : how often a step was made on average until its values converged; 1 without iteration
@@ -91,6 +93,7 @@ class Progress:
     wall: float = 0.0
     energy_residual: dict[str, float] = field(default_factory=dict)
     energy_into_structures: dict[str, float] = field(default_factory=dict)
+    energy_into: dict[str, float] = field(default_factory=dict)
     stopped: bool = False
     ended: str | None = None
     sweeps: float = 1.0

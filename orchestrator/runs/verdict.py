@@ -30,7 +30,7 @@ SHORT_HZ = 10.0
 """Resolution of the level of a run that is too short for the usual one [Hz]."""
 
 ENERGY_SHARE = 0.01
-"""Part of the energy into wheel and rail that the coupling may have added before its figures are doubted."""
+"""Part of the energy into wheel and rail that the coupling may add or take before its figures are doubted."""
 
 
 @dataclass(frozen=True)
@@ -143,15 +143,24 @@ def _mode(data: xr.Dataset, tone_hz: float) -> str | None:
     return label.split(" ", maxsplit=1)[0]
 
 
+def energy_share(progress: Progress) -> float | None:
+    """Return the energy that the coupling added over the vibration energy that wheel and rail took [-].
+
+    What they took they dissipated, or it is in them at the end. None where nothing went into them.
+    """
+    into = sum(abs(energy) for energy in progress.energy_into.values())
+    return sum(progress.energy_residual.values()) / into if into > 0 else None
+
+
 def _trust(progress: Progress, spurious: Spurious) -> tuple[str, tuple[str, ...]]:
     """Return how far the numbers can be trusted, and why not further."""
     reasons = []
     if spurious.invented:
         reasons.append(f"the scheme makes {spurious.invented} stable modes unstable; take a smaller step")
-    into = sum(abs(e) for e in progress.energy_into_structures.values())
-    added = sum(progress.energy_residual.values())
-    if into > 0 and added > ENERGY_SHARE * into:
-        reasons.append(f"the coupling added {added / into:.1%} of the energy that went into wheel and rail")
+    share = energy_share(progress)
+    if share is not None and abs(share) > ENERGY_SHARE:
+        did = "added" if share > 0 else "took"
+        reasons.append(f"the coupling {did} {abs(share):.1%} of the energy that went into wheel and rail")
     if reasons:
         return "doubtful", tuple(reasons)
     if spurious.largest is None:

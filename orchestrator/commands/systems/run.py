@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -13,10 +14,13 @@ from fmus.interface import DIRECTIONS
 
 from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
+from ...coupling.settings import Progress
 from ...errors import SimulationError
 from ...runs import run as running
 from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
+from ...runs.verdict import energy_share
+from ...signals.axes import NORMAL, PLANE
 from ..options import System, changes_system
 from ..progress import run_bar
 from ..tools import Json, Seed, notice, say, screen
@@ -117,22 +121,23 @@ def _show(outcome: Outcome) -> None:
         f"{outcome.case}: {time:g} s in {p.steps} steps of {outcome.settings.step:g} s ({outcome.settings.algorithm})"
     )
     table = Table(title=title, title_justify="left")
-    for heading in ("", *DIRECTIONS):
+    columns = (*DIRECTIONS, PLANE, NORMAL)
+    for heading in ("", *columns):
         table.add_column(heading, justify="right" if heading else "left")
     rows = (
-        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms),
-        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms),
+        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms | s.wheel_contact_rms),
+        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms | s.rail_contact_rms),
         ("energy into wheel and rail [J]", p.energy_into_structures),
-        ("energy residual of the coupling [J]", p.energy_residual),
+        ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
     for label, numbers in rows:
-        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
         "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
-        "energy residual": _share(sum(p.energy_residual.values()), s.energy_dissipated),
+        "energy residual": _balance(p),
         "spurious growth": outcome.spurious.sentence,
         **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
@@ -144,7 +149,14 @@ def _show(outcome: Outcome) -> None:
         screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
 
 
-def _share(residual: float, dissipated: float | None) -> str:
-    """Return the energy that the coupling added, and against what the contact dissipated."""
-    against = f", {abs(residual / dissipated):.1e} of the {dissipated:.3g} J dissipated" if dissipated else ""
-    return f"{residual:.3g} J in all directions{against}"
+def _in_contact_axes(residual: Mapping[str, float]) -> Mapping[str, float]:
+    """Return an account by contact direction under the names of the table's columns; one in track axes as it is."""
+    return {PLANE if d == "lat" and NORMAL in residual else d: energy for d, energy in residual.items()}
+
+
+def _balance(progress: Progress) -> str:
+    """Return the energy that the coupling added, and against what wheel and rail took."""
+    took = " and ".join(f"the {name} {energy:.3g} J" for name, energy in progress.energy_into.items())
+    share = energy_share(progress)
+    added = f"{sum(progress.energy_residual.values()):.2g} J in all"
+    return added if share is None else f"{added}, {share:.1e} of what went into the structures ({took})"

@@ -6,17 +6,20 @@ import json
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from orchestrator import InputError, cycles, load, plot_cycles
-from orchestrator.commands.analysis.cycle import cycle
+from orchestrator.cli import app
 
 
-def test_json_tells_what_the_tone_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
     """The object of one tone, and its picture."""
     picture = tmp_path / "cycle.png"
-    cycle("case1", tone=1100.0, json=True, out=picture)
+    arguments = ["cycle", "case1", "--tone", "1100", "--json", "--out", str(picture)]
+    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
     assert picture.stat().st_size > 10_000
-    (tone,) = json.loads(capsys.readouterr().out)["cycles"]
+    (tone,) = json.loads(done.stdout)["cycles"]
     assert tone["frequency_hz"] == pytest.approx(1100.3, abs=0.1)
     assert tone["pole_hz"] == pytest.approx(1101.2, abs=0.1)
     assert tone["stable"] is True
@@ -40,6 +43,17 @@ def test_parameters_and_the_library_mean_the_same() -> None:
     assert double.level_dba - plain.level_dba == pytest.approx(6.0, abs=0.3)
     assert plain.stable is None
     assert plain.fate == "not looked at"
+
+
+@pytest.mark.slow
+def test_another_wheel_and_damping_have_other_tones() -> None:
+    """`--wheel`, with its contact stiffness, and `--damp`: the 1100 Hz of `generic840`, and none with much damping."""
+    arguments = ["cycle", "case1", "--tone", "1100", "--json", "--no-stability"]
+    other = CliRunner().invoke(app, [*arguments, "--wheel", "generic840"], catch_exceptions=False)
+    (tone,) = json.loads(other.stdout)["cycles"]
+    assert tone["frequency_hz"] == pytest.approx(1099.6, abs=0.1)
+    with pytest.raises(InputError, match="case1: no tone"):
+        CliRunner().invoke(app, [*arguments, "--damp", "(3,0)=2e-2"], catch_exceptions=False)
 
 
 def test_a_tone_that_is_not_there_is_refused() -> None:

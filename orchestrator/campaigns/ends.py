@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .catalogue import Catalogue, Cycle
+from ..limit_cycles.catalogue import Catalogue, Cycle
 
 SAME_HZ = 0.005
 """Relative distance within which a run's dominant frequency is that of a cycle: windows of a second tell 0.1 Hz."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from squeal_models import tone_of
 
-from orchestrator.limit_cycles.ends import end_words, missing_words
+from orchestrator.campaigns.ends import end_words, missing_words
 
 
 def test_an_end_is_the_cycle_only_at_its_level() -> None:
