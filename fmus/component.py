@@ -87,8 +87,8 @@ class Component:
     variables : in the order of their value references
     derived_size, state_size : lengths of the arrays that only the kernels know
     kernels : module of this package that holds `initialise`, `do_step` and `differentiate`
-    failure : what is said where outputs are no numbers, which ends the run; %g stands for the last local variable.
-        Empty: such outputs mean an input that is too large
+    failure : what is said where outputs are no numbers, which ends the run; %g, if there is one, stands for the last
+        local variable. Empty: such outputs mean an input that is too large
     """
 
     name: str
@@ -222,7 +222,8 @@ class Instance:
     def _check_outcome(self) -> None:
         """Raise DataError if a component that may find no solution has found none."""
         if self.component.failure and not math.isfinite(self.outputs.sum()):
-            raise DataError(self.component.failure % self.state[len(self.component.of("local")) - 1])
+            reason = self.component.failure
+            raise DataError(reason % self.state[len(self.component.of("local")) - 1] if "%" in reason else reason)
 
     def differentiate(self, seed: Vector) -> Vector:
         """Return the change of all outputs per change of the inputs along `seed`, at the end of the last step.

@@ -18,6 +18,9 @@ from itertools import combinations_with_replacement
 DIRECTIONS = ("lon", "lat", "ver", "spin")
 """The paper's directions 1, 2, 3, 6, in the order of every vector and matrix of this project."""
 
+CONTACT_DIRECTIONS = ("lon", "lat", "normal", "spin")
+"""The same in contact axes, which are the track's turned about the longitudinal axis by the contact angle."""
+
 STRUCTURES = ("wheel", "rail")
 """The two places that a modal structure can take; the contact's ports carry these names as prefixes."""
 
@@ -39,6 +42,9 @@ INITIAL_DISPLACEMENT = "initial_displacement"
 MODAL_VELOCITY = "modal_velocity"
 """Local variables of a structure that begin with this are its modal velocities: what a radiation model needs."""
 
+ENERGY_ADDED = "energy_added"
+"""Local variables of the contact that begin with this: the energy that holding its forces has added so far."""
+
 PULSE_FORCE = "pulse_force"
 """Parameter of the contact: amplitude of the lateral force pulse that starts the vibration."""
 
@@ -59,6 +65,7 @@ UNITS: dict[str, dict[str, int] | None] = {
     "m": {"m": 1},
     "rad": {"rad": 1},
     "m/s": {"m": 1, "s": -1},
+    "s/m": {"m": -1, "s": 1},
     "rad/s": {"rad": 1, "s": -1},
     "rad/m": {"rad": 1, "m": -1},
     "1/m": {"m": -1},
@@ -67,6 +74,7 @@ UNITS: dict[str, dict[str, int] | None] = {
     "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
     "N/m": {"kg": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
     "W": {"kg": 1, "m": 2, "s": -3},
     "m/(N.s)": {"kg": -1, "s": 1},
     "rad/(N.s)": {"rad": 1, "kg": -1, "m": -1, "s": 1},
@@ -184,7 +192,7 @@ CONTACT_MONITORS = (
     Port("creepage_lon", "1", "total longitudinal creepage", 1e-2),
     Port("creepage_lat", "1", "total lateral creepage", 1e-2),
     Port("creepage_spin", "rad/m", "total spin creepage", 1e-1),
-    Port("friction_coefficient", "1", "friction coefficient mu0 tau at this creepage", 0.3),
+    Port("friction_coefficient", "1", "friction coefficient at this creepage", 0.3),
     Port("deflection", "m", "fluctuation of the compression of the contact spring", 1e-5),
     Port("power_dissipated", "W", "power that the creep forces dissipate", 1e3),
     Port("force_evaluations", "1", "creep-force evaluations that the last step took", 1.0),

@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from .errors import DamageWarning, InputError, SimulationError
+from .fmi.exit_guard import tell_who_ends_the_process
 
 Table = dict[str, tuple[str, str]]
 """Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
@@ -52,7 +53,10 @@ COMMANDS: Table = {
         "pages.table4:table4",
         "Print Table 4 of the paper next to ours, cell by cell.",
     ),
-    "listen": ("pages.listen", "Make the sound of a run: a WAV file of the pressure at the receiver."),
+    "listen": (
+        "pages.listen",
+        "Make the sound of a run, or of a case that is run first, as a WAV file.",
+    ),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
     "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),
@@ -193,6 +197,7 @@ def main() -> None:
     PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
     it anyway: the libraries of FMUs get no chance to do more.
     """
+    tell_who_ends_the_process()
     keep_standard_output()
     code = command_line()
     sys.stdout.flush()

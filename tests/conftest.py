@@ -6,8 +6,10 @@ import os
 from pathlib import Path
 
 import pytest
+from block_systems import block_fmu
 from filelock import FileLock
 from hypothesis import settings
+from two_masses import write_masses
 
 from fmus.packaging.build import build
 from fmus.packaging.target import Target
@@ -44,3 +46,15 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with all FMUs in machine code, FMI 3, and the SSP."""
     return build_once(tmp_path_factory, "native3", Target("native", 3))
+
+
+@pytest.fixture(scope="session")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the FMU `y = k u + b`, of which tests of systems are made."""
+    return block_fmu(tmp_path_factory.mktemp("block"))
+
+
+@pytest.fixture(scope="module")
+def masses(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the FMUs of two oscillating masses and of the spring between them."""
+    return write_masses(tmp_path_factory.mktemp("masses"))

@@ -6,9 +6,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..component import Component, Variable
-from ..interface import contact_inputs, contact_outputs
+from ..interface import ENERGY_ADDED, contact_inputs, contact_outputs
 from .layout import DERIVED_SIZE, STATE_SIZE
 from .parameters import PARAMETERS
+
+_ACCOUNT = (("lon", "longitudinal"), ("lat", "lateral, contact axes"), ("spin", "spin"), ("normal", "contact normal"))
+"""Directions of the account of energy in the order of the state, and their words."""
+
+FAILURE = (
+    "the outputs are not finite; an input or parameter is too large, or the friction table is none: it needs 2 points "
+    "or more, each farther than the one before, with friction above 0"
+)
+"""What a contact says whose forces are no numbers."""
 
 
 def contact(mobility: Mapping[str, float] | None = None) -> Component:
@@ -32,11 +41,19 @@ def contact(mobility: Mapping[str, float] | None = None) -> Component:
         )
         for p in contact_outputs()
     )  # fmt: skip
+    account = tuple(
+        Variable(
+            f"{ENERGY_ADDED}_{d}", "local", "J", f"energy that holding the forces has added so far, {word}", start=None,
+            nominal=1.0,
+        )
+        for d, word in _ACCOUNT
+    )  # fmt: skip
     return Component(
         name="contact",
         description="Wheel/rail contact: Hertz spring, FASTSIM creep forces, falling or constant friction",
-        variables=(*inputs, *outputs, *parameters),
+        variables=(*inputs, *outputs, *parameters, *account),
         derived_size=DERIVED_SIZE,
         state_size=STATE_SIZE,
         kernels="contact.kernels",
+        failure=FAILURE,
     )

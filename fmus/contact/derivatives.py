@@ -10,7 +10,7 @@ g' and g_N by central differences of the law at the velocities it was solved at.
 import math
 
 from ..compile import kernel
-from .friction import friction_slope
+from .friction.coefficient import friction_slope
 from .law import law, normal_stiffness
 from .layout import OUT, D, S
 from .parameters import P
@@ -30,7 +30,7 @@ def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitiv
     implicit = 1.0 if h > 0.0 else 0.0  # at the start the forces are explicit
     d_x = _creep_force_change(parameters, derived, state, d_ahead, d_load, implicit)
     put_forces(derived, sensitivity, d_x, d_load)
-    _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load)
+    _put_monitor_changes(parameters, derived, outputs, sensitivity, d_v, d_x, d_load)
     sensitivity[OUT.deflection] = d_deflection
     sensitivity[OUT.force_evaluations] = 0.0
 
@@ -117,7 +117,7 @@ def _solve(a, b, c, r):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load):  # type: ignore[no-untyped-def]
+def _put_monitor_changes(parameters, derived, outputs, sensitivity, d_v, d_x, d_load):  # type: ignore[no-untyped-def]
     """Differentiate totals and monitors."""
     velocity = parameters[P.rolling_velocity]
     lon, lat, spin = outputs[OUT.creepage_lon], outputs[OUT.creepage_lat], outputs[OUT.creepage_spin]
@@ -137,7 +137,7 @@ def _put_monitor_changes(parameters, outputs, sensitivity, d_v, d_x, d_load):  #
     creepage = math.sqrt(lon * lon + lat * lat)
     sensitivity[OUT.friction_coefficient] = 0.0
     if creepage > 0.0:
-        slope = friction_slope(parameters, creepage)
+        slope = friction_slope(parameters, derived, creepage)
         sensitivity[OUT.friction_coefficient] = slope * (lon * d_lon + lat * d_lat) / creepage
     sensitivity[OUT.power_dissipated] = -velocity * (
         d_x[0] * lon + d_x[1] * lat + d_x[2] * spin + f_lon * d_lon + f_lat * d_lat + moment * d_spin

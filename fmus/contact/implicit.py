@@ -1,6 +1,7 @@
 """Creep forces that agree with the velocities they cause: a Newton iteration in three unknowns. Kernels."""
 
 from ..compile import kernel
+from .friction.coefficient import static_friction
 from .law import law
 from .layout import D, S
 from .parameters import P
@@ -62,7 +63,7 @@ def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignor
     w = _with_forces(derived, state, v, x, f_normal)
     g = law(parameters, derived, w[0], w[1], w[2], f_normal + parameters[P.normal_load])
     r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
-    scale = parameters[P.mu0] * parameters[P.normal_load] + 1e-30
+    scale = static_friction(parameters, derived) * parameters[P.normal_load] + 1e-30
     size = max(abs(r[0]), abs(r[1]), abs(r[2]) / derived[D.spin_arm]) / scale
     return r, size, w, g
 

@@ -20,7 +20,9 @@ from ..compile import kernel
 from ..creep.blended import spin_flexibility, volumes
 from ..creep.fastsim import bound_volume, flexibilities
 from ..creep.kalker import creepage_coefficients
+from .account import keep_account
 from .derivatives import differentiate
+from .friction.coefficient import prepare_friction
 from .implicit import renew_newton_matrix, solve_creep_forces
 from .law import law, normal_force
 from .layout import OUT, STATE_SIZE, D, S
@@ -49,6 +51,7 @@ def mean_pulse(parameters, begin, end):  # type: ignore[no-untyped-def]
 def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Evaluate the contact at the inputs, for forces that are held over the next `h` seconds; update the state."""
     v, v_normal, v_integrated, u_normal = relative_motion(parameters, derived, inputs)
+    keep_account(parameters, derived, state, v, v_integrated, u_normal, h)
     ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, v_integrated, u_normal, h)
     load = normal_force(parameters, derived, deflection)
     f_normal = load - parameters[P.normal_load]
@@ -115,6 +118,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     derived[D.spin_arm] = math.sqrt(a * b)
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])
+    prepare_friction(parameters, derived)
     derived[D.approach] = 1.5 * parameters[P.normal_load] / parameters[P.hertz_stiffness]
     load = parameters[P.normal_load]
     derived[D.f_lon], derived[D.f_lat], derived[D.f_spin] = law(parameters, derived, 0.0, 0.0, 0.0, load)

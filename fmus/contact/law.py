@@ -5,7 +5,7 @@ import math
 from ..compile import kernel
 from ..creep.blended import blended
 from ..creep.fastsim import fastsim
-from .friction import friction_factor
+from .friction.coefficient import friction_factor, static_friction
 from .layout import SCRATCH, D
 from .parameters import BLENDED, P
 
@@ -39,8 +39,8 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
 
     `derived` lends scratch space, which is zero again afterwards.
     """
-    tau = friction_factor(parameters, math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat))
-    friction = parameters[P.mu0] * load
+    tau = friction_factor(parameters, derived, math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat))
+    friction = static_friction(parameters, derived) * load
     a, b = parameters[P.semi_axis_lon], parameters[P.semi_axis_lat]
     cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
     L1, L2, L3 = derived[D.L1], derived[D.L2], derived[D.L3]

@@ -3,6 +3,7 @@
 from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs
+from .friction_parameters import TABLE_POINTS
 
 IN = positions("IN", (port.name for port in contact_inputs()))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
@@ -11,10 +12,13 @@ OUT = positions("OUT", (port.name for port in contact_outputs()))
 S = positions(
     "S",
     (
+        *("energy_added_lon", "energy_added_lat", "energy_added_spin", "energy_added_normal"),  # local variables
         *("f_lon", "f_lat", "f_spin", "f_normal"),  # forces that are held now: fluctuations, contact axes
         *("d_lon", "d_lat", "d_spin", "d_normal"),  # how much they changed the last time
         *("v_lon", "v_lat", "v_spin", "v_normal"),  # relative velocities that came in before
         *("w_lon", "w_lat", "w_spin"),  # relative velocities that the law was solved at
+        *("was_lon", "was_lat", "was_spin"),  # those of the forces before
+        *("place", "way_integrated", "v_integrated"),  # normal displacement, its integrated part and that's velocity
         *("held_lon", "held_lat", "held_spin", "held_normal"),  # Y F of the held forces; this and what follows: delay
         *("known_lon", "known_lat", "known_spin", "known_normal"),  # change of the velocities by known forces
         *("rest_lon", "rest_lat", "rest_spin", "rest_normal"),  # the rest of their last change
@@ -40,4 +44,9 @@ STATE_SIZE = S.newton + 9
 SCRATCH = D.mobility + 16
 """Position of the scratch space of FASTSIM in the derived quantities."""
 
-DERIVED_SIZE = SCRATCH + SCRATCH_SIZE
+FRICTION = SCRATCH + SCRATCH_SIZE
+FRICTION_SLOPES = FRICTION + 1
+FRICTION_WORK = FRICTION_SLOPES + TABLE_POINTS
+"""Of a friction table: friction without sliding, the slopes at its points, and space to solve for them."""
+
+DERIVED_SIZE = FRICTION_WORK + TABLE_POINTS

@@ -7,6 +7,7 @@ import math
 from ..compile import positions
 from ..component import Variable
 from ..interface import mobility_ports
+from .friction_parameters import FRICTION_PARAMETERS
 
 MAX_GRID = 200
 
@@ -48,7 +49,7 @@ PARAMETERS = (
     _tunable("steady_creepage_lat", "1", 0.02, -0.5, 0.5, "steady lateral creepage gamma2"),
     _tunable("steady_creepage_spin", "rad/m", 0.0, -50.0, 50.0, "steady spin creepage gamma6"),
     # Table 1
-    _tunable("mu0", "1", 0.3, 0.0, 2.0, "Coulomb friction coefficient"),
+    _tunable("mu0", "1", 0.3, 0.0, 2.0, "Coulomb friction coefficient; a table has its own"),
     _tunable("falling_ratio", "1", 0.1, 0.0, 1.0, "falling ratio lambda of eq. (11); 0: constant friction"),
     _tunable("saturation_coefficient", "1", 0.005, 1e-9, 10.0, "saturation coefficient kappa of eq. (11)"),
     _parameter("semi_axis_lon", "m", 0.010, 1e-5, 0.1, "semi-axis a of the contact ellipse, rolling direction"),
@@ -78,6 +79,7 @@ PARAMETERS = (
     Variable("host_delay_steps", "parameter", "1",
              "steps by which the host's inputs are late: 0; 1 for a host that steps all components at once (Jacobi)",
              kind="Integer", start=0, minimum=0, maximum=1),
+    *FRICTION_PARAMETERS,
 )  # fmt: skip
 
 P = positions("P", (p.name for p in PARAMETERS))

@@ -3,7 +3,7 @@
 import math
 
 from ..compile import kernel
-from .friction import friction_coefficient
+from .friction.coefficient import friction_coefficient
 from .layout import IN, OUT, D
 from .parameters import P
 
@@ -71,6 +71,6 @@ def put_monitors(parameters, derived, outputs, v, x, load, deflection):  # type:
     outputs[OUT.creepage_lat] = creep_lat
     outputs[OUT.creepage_spin] = creep_spin
     creepage = math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat)
-    outputs[OUT.friction_coefficient] = friction_coefficient(parameters, creepage)
+    outputs[OUT.friction_coefficient] = friction_coefficient(parameters, derived, creepage)
     outputs[OUT.deflection] = deflection
     outputs[OUT.power_dissipated] = -velocity * (total_lon * creep_lon + total_lat * creep_lat + moment * creep_spin)

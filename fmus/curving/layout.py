@@ -2,10 +2,7 @@
 
 from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
-from .parameters import N_FIXED, TABLE
-
-SIDES = (1.0, -1.0)
-"""Left and right wheel, as the factor s of the equations."""
+from .parameters import TABLE
 
 WHEELS = ("leading_left", "leading_right", "trailing_left", "trailing_right")
 
@@ -47,11 +44,6 @@ _BLOCKS = (4 * N_GEOMETRY, 4 * N_WHEEL, N, N, N, N, N * (N + 1), SCRATCH_SIZE)
 
 D = positions("D", _FIELDS)._make(sum(_BLOCKS[:i]) for i in range(len(_BLOCKS) + 1))
 """Position of each block in the derived quantities; the table is last and as long as it needs."""
-
-
-def nodes_of(n_parameters: int) -> int:
-    """Return how many nodes the table of contact geometry of so many parameters has."""
-    return (n_parameters - N_FIXED) // N_COLUMNS
 
 
 def derived_size(nodes: int) -> int:

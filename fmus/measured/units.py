@@ -107,6 +107,18 @@ def frequency_factor(text: str) -> float:
     return factor / (2 * math.pi) if angular else factor
 
 
+def velocity_factor(text: str) -> float:
+    """Return what velocities in a unit are multiplied with to be in m/s.
+
+    >>> velocity_factor("mm/s"), round(velocity_factor("km/h"), 6)
+    (0.001, 0.277778)
+    """
+    factor, dimension = _base(text)
+    if dimension != {"[length]": 1, "[time]": -1}:
+        raise DataError(f"unit {text!r} is no velocity")
+    return factor
+
+
 def read_system(text: str) -> UnitSystem:
     """Return the units that a text such as 'mm,N' names.
 

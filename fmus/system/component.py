@@ -85,6 +85,7 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
         + N_CONTACT_INPUTS
         + N_CONTACT_OUTPUTS,
         kernels="system.kernels",
+        failure=contact.failure,
     )
 
 

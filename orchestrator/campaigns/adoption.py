@@ -45,6 +45,8 @@ def _rows(path: Path, campaign: Campaign, quantities: tuple[Quantity, ...]) -> d
     computed = (json.loads(text).get("compute", {}) for text in (data.attrs["plan"], campaign.plan.text))
     if len({json.dumps(each, sort_keys=True) for each in computed}) > 1:
         return {}
+    if any(q.name not in data for q in quantities):  # of an earlier version
+        return {}
     columns = {q.name: data[q.name].to_numpy() for q in quantities}
     names, seconds = data["identity"].to_numpy(), data["seconds"].to_numpy()
     return {

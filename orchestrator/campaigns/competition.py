@@ -11,13 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..signals.tones import Tone, tones
+from ..limit_cycles.catalogue import Catalogue
+from ..limit_cycles.search import cycles_of
+from ..runs.scenario import Scenario
+from ..signals.tones import SAME_TONE, Tone, tones_of_runs
+from .ends import end_words, missing_words
 from .plan import Plan, make_plan
 from .rows import DONE, FAILED
 from .store import open_campaign
 from .sweep import How, sweep
+
+Real = NDArray[np.floating[Any]]
 
 RECORD_EVERY = 8
 
@@ -61,6 +68,7 @@ class Ended:
     wanted, done : numbers of runs
     failures : sentences of the runs that failed
     store : where the runs are
+    lateral_rms : median lateral velocity of the wheel [m/s] of each tone of `groups`
     """
 
     groups: dict[str, list[Tone]]
@@ -68,12 +76,18 @@ class Ended:
     done: int
     failures: tuple[str, ...]
     store: Path
+    lateral_rms: dict[str, list[float]]
 
 
-def competition_plan(system: str, starts: Starts, duration: float | None = None, step: float | None = None) -> Plan:
-    """Return the plan of a competition: every start and stiffness with every seed."""
-    where: dict[str, Any] = {"file" if Path(system).suffix else "case": system}
-    where |= {name: value for name, value in (("duration", duration), ("step", step)) if value is not None}
+def competition_plan(scenario: Scenario, starts: Starts) -> Plan:
+    """Return the plan of a competition: every start and stiffness of a scenario with every seed."""
+    where: dict[str, Any] = {"file" if Path(scenario.system).suffix else "case": scenario.system}
+    how = {"duration": scenario.duration, "step": scenario.step}
+    where |= {name: value for name, value in how.items() if value is not None}
+    if scenario.values:
+        where["set"] = {f"{c}.{name}": value for c, own in scenario.values.items() for name, value in own.items()}
+    if scenario.sources:
+        where["replace"] = {name: str(file.absolute()) for name, file in scenario.sources.items()}
     vary: dict[str, Any] = {}
     if starts.stiffness:
         vary[_SPRING] = list(dict.fromkeys(starts.stiffness))
@@ -97,12 +111,57 @@ def compete(plan: Plan, folder: Path, how: How) -> Ended:
     kin = tuple(path for path in sorted(folder.glob(f"{name}-*.zarr")) if path != store)
     ended = sweep(plan, store, how, kin)
     data = open_campaign(store).load()
-    groups: dict[str, list[float | None]] = {}
+    groups: dict[str, list[int]] = {}
     for k in np.flatnonzero(data["status"].to_numpy() == DONE):
-        tone = float(data["tone"][k])
         start = f"started at {float(data[_START][k]):g} Hz" if _START in data else "random start"
         spring = f", {float(data[_SPRING][k]):g} N/m" if _SPRING in data else ""
-        groups.setdefault(start + spring, []).append(None if np.isnan(tone) else tone)
+        groups.setdefault(start + spring, []).append(int(k))
     failed = np.flatnonzero(data["status"].to_numpy() == FAILED)
     failures = tuple(sorted({str(data["message"].to_numpy()[k]) for k in failed}))
-    return Ended({words: tones(found) for words, found in groups.items()}, ended.wanted, ended.done, failures, store)
+    tone, irregular = (data[name].to_numpy() for name in ("tone", "irregular"))
+    found = {words: tones_of_runs(tone[rows], irregular[rows]) for words, rows in groups.items()}
+    lateral = data["lateral_rms"].to_numpy()
+    levels = {
+        words: [_median(lateral[rows], tone[rows], irregular[rows], t) for t in found[words]]
+        for words, rows in groups.items()
+    }
+    return Ended(found, ended.wanted, ended.done, failures, store, levels)
+
+
+def _median(lateral: Real, frequency_hz: Real, irregular: Real, tone: Tone) -> float:
+    """Return the median lateral rms of the runs that ended in a tone; nan at rest and without one."""
+    if tone.frequency_hz is None:
+        return float("nan")
+    chosen = (np.abs(frequency_hz / tone.frequency_hz - 1) < SAME_TONE) & (irregular != 1)
+    return float(np.median(lateral[chosen]))
+
+
+def against_cycles(plan: Plan, ended: Ended) -> dict[str, tuple[str, ...]]:
+    """Return what each group's tones are, and which cycles that last no run ended in, in words.
+
+    Raises
+    ------
+    InputError
+        If the cycles of the system are not known.
+    """
+    words: dict[str, tuple[str, ...]] = {}
+    known: dict[str, Catalogue] = {}
+    for group, found in ended.groups.items():
+        spring = group.rpartition(", ")[2].removesuffix(" N/m") if group.endswith("N/m") else ""
+        if spring not in known:
+            base = plan.base
+            values = {name: dict(own) for name, own in base.values.items()}
+            if spring:
+                values.setdefault("contact", {})["hertz_stiffness"] = spring
+            sources = {name: Path(file) for name, file in base.sources.items()}
+            assembly, settings = Scenario(base.system, step=base.step, values=values, sources=sources).prepare()
+            known[spring] = cycles_of(assembly, settings.step)
+        tones = [t.frequency_hz for t in found if t.frequency_hz is not None]
+        lines = [
+            f"{t.words}: {end_words(known[spring], t.frequency_hz, rms)}"
+            for t, rms in zip(found, ended.lateral_rms[group], strict=True)
+            if t.frequency_hz is not None
+        ]
+        missing = missing_words(known[spring], tones)
+        words[group] = (*lines, *([missing] if missing else []))
+    return words

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from fmus.interface import DISPLACEMENT_DIRECTIONS, PAIRS
+from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
@@ -152,9 +152,10 @@ def _check_connectors(element: Element, fmu: Fmu) -> None:
             continue  # another FMU may stand here; a connection to it is refused
         variable = fmu.variables[name]
         if connector.kind not in (variable.causality, "inout", "unspecified"):
-            raise InputError(
-                f"connector {element.name}.{name}: is {connector.kind} in the SSD and {variable.causality} in the FMU"
-            )
+            said = f"is {connector.kind} in the SSD and {variable.causality} in the FMU"
+            if element.replaced and name in {f"{kind}_{d}" for kind in "fv" for d in DIRECTIONS}:
+                said += "; a structure must take forces and give velocities"
+            raise InputError(f"connector {element.name}.{name}: {said}")
         told, own = (plain_type(str(t)) for t in (connector.type, variable.type))
         if connector.type is not None and told != own:
             raise InputError(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES
+from fmus.interface import CONTACT_DIRECTIONS, DIRECTIONS, DISPLACEMENT_DIRECTIONS, ENERGY_ADDED, STRUCTURES
 
 from ..fmi.file import Fmu
 from ..system.model import Wire
@@ -26,14 +26,24 @@ class Bond:
 
     Attributes
     ----------
+    structure : wheel or rail: the side of the contact
     direction : lon, lat, ver or spin
     force : the link that brings the force to the structure
     velocity : the link that brings the structure's velocity to the contact
+    way : the link that brings its displacement; None if there is none
     """
 
+    structure: str
     direction: str
     force: Link
     velocity: Link
+    way: Link | None
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """Force times velocity in W, and force times displacement in J, per product in the structure's units."""
+        way = 0.0 if self.way is None else self.way.gain
+        return self.velocity.gain / self.force.gain, way / self.force.gain
 
 
 def _bonds(links: tuple[Link, ...], contact: str | None) -> list[Bond]:
@@ -43,7 +53,7 @@ def _bonds(links: tuple[Link, ...], contact: str | None) -> list[Bond]:
     out = {link.wire.start_connector: link for link in links if link.wire.start_element == contact}
     into = {link.wire.end_connector: link for link in links if link.wire.end_element == contact}
     return [
-        Bond(d, out[f"{s}_f_{d}"], into[f"{s}_v_{d}"])
+        Bond(s, d, out[f"{s}_f_{d}"], into[f"{s}_v_{d}"], into.get(f"{s}_u_{d}"))
         for s in STRUCTURES
         for d in DIRECTIONS
         if f"{s}_f_{d}" in out and f"{s}_v_{d}" in into
@@ -68,3 +78,23 @@ def integrated_sides(links: Iterable[Link], contact: str, fmu: Fmu, given: Colle
     )
     names = {s: f"integrate_{s}" for s in silent}
     return tuple(s for s, name in names.items() if name in fmu.variables and name not in given)
+
+
+def energy_account(contact: str | None, fmus: Mapping[str, Fmu]) -> dict[str, tuple[str, str]]:
+    """Return where a contact tells what holding its forces added, by contact direction; empty if it does not."""
+    names = {d: f"{ENERGY_ADDED}_{d}" for d in CONTACT_DIRECTIONS}
+    if contact is None or not set(names.values()) <= fmus[contact].variables.keys():
+        return {}
+    return {d: (contact, name) for d, name in names.items()}
+
+
+def sums(bonds: Iterable[tuple[str, str]], energies: Iterable[float], part: int) -> dict[str, float]:
+    """Return energies of bonds (structure, direction) added up by structure (`part` 0) or by direction (1).
+
+    >>> sums([("wheel", "lat"), ("rail", "lat")], [1.0, 2.0], 1)
+    {'lat': 3.0}
+    """
+    found: dict[str, float] = {}
+    for bond, energy in zip(bonds, energies, strict=True):
+        found[bond[part]] = found.get(bond[part], 0.0) + float(energy)
+    return found

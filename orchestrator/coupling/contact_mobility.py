@@ -35,7 +35,7 @@ def contact_mobility(assembly: Assembly, step: float, timeout: float | None = No
         fmu = assembly.fmus[name]
         own_step = step * assembly.periods(step)[name]
         parameters = with_step(fmu, assembly.parameters[name], own_step)
-        published = published_mobility(fmu, parameters, timeout) if _as_in_contract(bonds) else None
+        published = published_mobility(fmu, parameters, timeout) if as_in_contract(bonds) else None
         if published is None:
             published = probed_mobility(fmu, parameters, power_pairs(bonds), own_step, timeout)
         total += published
@@ -59,7 +59,7 @@ def power_pairs(bonds: Mapping[str, Bond]) -> dict[str, PowerPair]:
     }  # fmt: skip
 
 
-def _as_in_contract(bonds: Mapping[str, Bond]) -> bool:
+def as_in_contract(bonds: Mapping[str, Bond]) -> bool:
     """Return whether the structure has the contract's own names and units at its bonds."""
     return all(
         bond.force.wire.end_connector == f"f_{d}"

@@ -75,7 +75,7 @@ Plan = namedtuple(
         "u_word",  # (inputs,) the same as whole numbers
         "y",  # (outputs,) latest outputs
         "y_word",  # (outputs,) the same as whole numbers
-        "wide",  # (outputs,) whether an output is a whole number of 64 bits, which is recorded as such
+        "wide",  # positions in `y` of whole numbers of 64 bits, which are recorded as such
         "exact",  # (inputs,) whether an input is the whole number that feeds it
         "source",  # (inputs,) position in `y` of what feeds an input
         "gain",  # (inputs,) factor of the connection
@@ -90,8 +90,11 @@ Plan = namedtuple(
         "scratch",  # (longest transfer,) for values that are not doubles
         "bond_force",  # (bonds,) positions in `u` of forces on structures
         "bond_velocity",  # (bonds,) positions in `y` of the velocities that belong to them
-        "bond_row",  # (bonds,) row of `energy` that a bond counts in
-        "energy",  # (rows, 2) energy residual and energy into the structures [J]
+        "bond_way",  # (bonds,) positions in `y` of the displacements that belong to them, -1: none
+        "bond_gain",  # (bonds, 2) force times velocity, and force times displacement, to W and J
+        "bond_owner",  # (bonds,) components that have the velocities
+        "bond_before",  # (bonds, 2) velocity and displacement before the step
+        "energy",  # (bonds, 2) energy that holding the forces adds, and energy into the structures [J]
     ],
 )
 """Everything that the loop reads and writes, resolved to indices before the run."""
@@ -272,37 +275,59 @@ def _step(plan, number, clock):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _count_energy(plan, h):  # type: ignore[no-untyped-def]
-    """Add the step's energy: residual h (F_new - F_held) v, and h F_held v into the structure."""
+def _remember_motion(plan):  # type: ignore[no-untyped-def]
+    """Remember the motion at the bonds before the next step."""
     for b in range(plan.bond_force.size):
-        i = plan.bond_force[b]
-        velocity = plan.y[plan.bond_velocity[b]]
-        new = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
-        plan.energy[plan.bond_row[b], 0] += h * (new - plan.u[i]) * velocity
-        plan.energy[plan.bond_row[b], 1] += h * plan.u[i] * velocity
+        plan.bond_before[b, 0] = plan.y[plan.bond_velocity[b]]
+        if plan.bond_way[b] >= 0:
+            plan.bond_before[b, 1] = plan.y[plan.bond_way[b]]
 
 
 @njit(inline="always")
-def put(row, words, k, real, word, wide):  # type: ignore[no-untyped-def]
-    """Record a value as column `k` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
-    if wide:
-        words[k] = word
-    else:
-        row[k] = real
+def _count_energy(plan, number, h):  # type: ignore[no-untyped-def]
+    """Add the step's energy into the structures, and what holding the forces adds; remember the motion.
+
+    Into a structure: the held force times the way, which is exact; where there is no displacement the way is that of
+    the trapezoidal rule. Holding adds (F_held - F_new)/2 times the way, if the forces that a contact puts out are those
+    at the communication point; one that makes them for the step ahead keeps an account of its own.
+    """
+    for b in range(plan.bond_force.size):
+        c = plan.bond_owner[b]
+        if (number + 1) % plan.period[c] != 0:
+            continue
+        i = plan.bond_force[b]
+        velocity = plan.y[plan.bond_velocity[b]]
+        way = 0.5 * plan.period[c] * h * plan.bond_gain[b, 0] * (velocity + plan.bond_before[b, 0])
+        if plan.bond_way[b] >= 0:
+            displacement = plan.y[plan.bond_way[b]]
+            way = plan.bond_gain[b, 1] * (displacement - plan.bond_before[b, 1])
+            plan.bond_before[b, 1] = displacement
+        plan.bond_before[b, 0] = velocity
+        new = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
+        plan.energy[b, 0] += 0.5 * (plan.u[i] - new) * way
+        plan.energy[b, 1] += plan.u[i] * way
+
+
+@njit(inline="always")
+def put(row, words, begin, values, wide):  # type: ignore[no-untyped-def]
+    """Record values from column `begin` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
+    for k in range(values.real.size):
+        row[begin + k] = values.real[k]
+    for i in range(wide.size):
+        words[begin + wide[i]] = values.word[wide[i]]
 
 
 @njit(inline="always")
 def _record(plan, row, words):  # type: ignore[no-untyped-def]
-    """Record outputs and energy residuals."""
-    for j in range(plan.y.size):
-        put(row, words, j, plan.y[j], plan.y_word[j], plan.wide[j])
+    """Record outputs and the energies into the structures."""
+    put(row, words, 0, Values(plan.y, plan.y_word), plan.wide)
     for e in range(plan.energy.shape[0]):
-        row[plan.y.size + e] = plan.energy[e, 0]
+        row[plan.y.size + e] = plan.energy[e, 1]
 
 
 @njit(cache=True)
 def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untyped-def]
-    """Make `steps` steps and record every `every`-th and the last of all.
+    """Make `steps` steps and record every `every`-th and the last of all, also the last that was made before a fault.
 
     Parameters
     ----------
@@ -311,8 +336,8 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
     first : number of steps made before
     steps : number of steps to make
     every : record after each step whose number is a multiple of this, and after the last one
-    record : (rows, outputs + energy rows) array that takes the outputs and the energy residuals, and the same memory
-        as integers, which takes the whole numbers of 64 bits
+    record : (rows, outputs + bonds) array that takes the outputs and the energies into the structures, and the same
+        memory as integers, which takes the whole numbers of 64 bits
 
     Returns
     -------
@@ -321,19 +346,21 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
         for NOT_CONVERGED that in `u`), FMI status
     """
     plan = borrowed(plan)  # type: ignore[call-arg]
-    rows = 0
+    rows = kept = 0  # `kept`: 1 if the row after those recorded holds the latest step, in case that the next one fails
+    _remember_motion(plan)
     for k in range(steps):
         what, component, status = _step(plan, first + k, clock)
         if what != OK:
-            return k, rows, what, component, status
-        _count_energy(plan, clock[1])
+            return k, rows + kept, what, component, status
+        _count_energy(plan, first + k, clock[1])
         for j in range(plan.y.size):
             if not np.isfinite(plan.y[j]):
-                return k, rows, NOT_FINITE, j, 0
+                return k, rows + kept, NOT_FINITE, j, 0
         number = first + k + 1
+        _record(plan, record[0][rows], record[1][rows])
+        kept = 1
         if number % every == 0 or number == clock[2] or plan.ending[0] >= 0:
-            _record(plan, record[0][rows], record[1][rows])
-            rows += 1
+            rows, kept = rows + 1, 0
         if plan.ending[0] >= 0:
             return k + 1, rows, STEP, plan.ending[0], ENDED
     return steps, rows, OK, 0, 0

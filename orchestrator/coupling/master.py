@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, SimulationError
+from ..fmi.file import WHOLE
 from ..fmi.instance import STATUS, FmuInstance, Value
 from ..probing.mobility import with_step
 from ..results.file import Column, Results
 from . import loop, recording
 from .algorithms import find_algorithm, stages
 from .assembly import Assembly
+from .bonds import energy_account, sums
 from .contact_mobility import contact_mobility
 from .notices import notices
 from .plan import Schedule, Wiring, make_plan, transfers, wide
@@ -64,8 +66,10 @@ class Master:
         self.wiring = Wiring.of(assembly)
         self.outputs = list(self.wiring.outputs)
         self._index = {name: k for k, name in enumerate(assembly.fmus)}
-        self.directions = list(self.wiring.directions)
-        self.further = recording.recorded(assembly.fmus, settings.record)
+        self.account = energy_account(assembly.contact, assembly.fmus)
+        self.further = list(
+            dict.fromkeys([*recording.recorded(assembly.fmus, settings.record), *self.account.values()])
+        )
         self.progress = Progress(settings.steps)
         self._exit = ExitStack()
         with ExitStack() as stack:
@@ -98,8 +102,8 @@ class Master:
         """Return the recorded columns."""
         columns = [self._column(name, variable) for name, variable in self.outputs + self.further]
         energy = [
-            Column(f"energy_residual.{d}", "J", f"energy that the coupling scheme added so far, {d}")
-            for d in self.directions
+            Column(f"energy_into.{s}_{d}", "J", f"energy that the forces put into the {s} so far, {d}")
+            for s, d in self.wiring.bonds
         ]
         return columns[: len(self.outputs)] + energy + columns[len(self.outputs) :]
 
@@ -116,9 +120,9 @@ class Master:
         calls = transfers(self.assembly, self.instances, self.further, "Get")
         room = max(self.plan.scratch.size, calls.size.max(initial=1))
         self.plan = self.plan._replace(scratch=np.zeros(room, dtype=np.uint64))
-        return recording.Further(
-            calls, np.zeros(count), np.zeros(count, dtype=np.int64), wide(self.assembly, self.further)
-        )
+        whole = any(self.assembly.fmus[name].variables[v].type in WHOLE for name, v in self.further)
+        words = np.zeros(count, dtype=np.int64)
+        return recording.Further(calls, np.zeros(count), words, wide(self.assembly, self.further), whole)
 
     def _check(self) -> None:
         """Raise InputError if a component does not get to the end, or cannot repeat a step that has to be."""
@@ -188,8 +192,9 @@ class Master:
             raise SimulationError(self._explain(what, where, status, self.assembly.system.start))
 
     def refresh(self) -> None:
-        """Get the texts that components put out, after their states were set."""
+        """Get the texts and the figures of the run so far, after the states of the components were set."""
         self.texts.refresh()
+        self._take_figures()
 
     def _free_states(self) -> None:
         """Free the states that an iteration went back to."""
@@ -246,7 +251,7 @@ class Master:
         h, every, progress = self.settings.step, self.settings.record_every, self.progress
         clock = (self.assembly.system.start, h, progress.total, self.stop)
         columns = len(self.signals())
-        size = max(every, 100)
+        size = 1  # a step may take long
         while progress.steps < end and not progress.ended:
             steps = min(size, end - progress.steps)
             rows = np.empty((steps // every + 2, columns))
@@ -265,7 +270,7 @@ class Master:
             yield self._times(numbers), rows[:count]
             if fault:
                 raise SimulationError(self._explain(what, where, status, self._times(np.array([progress.steps]))[0]))
-            size = int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 4 * size)) // every * every or every
+            size = max(1, int(np.clip(size * CHUNK_SECONDS / max(elapsed, 1e-6), size / 4, 8 * size)))
 
     def _times(self, numbers: NDArray[np.int64]) -> Rows:
         """Return the times after steps of these numbers, as the components were told them."""
@@ -286,11 +291,19 @@ class Master:
     def _take_figures(self) -> None:
         """Bring energies and sweeps of the progress up to date."""
         plan, progress = self.plan, self.progress
-        progress.energy_residual = dict(zip(self.directions, plan.energy[:, 0].tolist(), strict=True))
-        progress.energy_into_structures = dict(zip(self.directions, plan.energy[:, 1].tolist(), strict=True))
+        progress.energy_residual = self._kept_account() or sums(self.wiring.bonds, plan.energy[:, 0], 1)
+        progress.energy_into_structures = sums(self.wiring.bonds, plan.energy[:, 1], 1)
+        progress.energy_into = sums(self.wiring.bonds, plan.energy[:, 1], 0)
         if self.algorithm.sweeps > 1:
             progress.sweeps = plan.sweeps[1] / max(progress.steps, 1)
             progress.most_sweeps = int(plan.sweeps[2])
+
+    def _kept_account(self) -> dict[str, float]:
+        """Return the energy that holding the forces added, by the contact's account; empty where it keeps none."""
+        if not self.account:
+            return {}
+        contact = self.instances[str(self.assembly.contact)]
+        return dict(zip(self.account, contact.get_real([name for _, name in self.account.values()]), strict=True))
 
     def _explain(self, what: int, where: int, status: int, moment: float) -> str:
         """Return the sentence that says which component failed, in which call and when."""

@@ -39,6 +39,12 @@ def _of_fmus(assembly: Assembly, step: float) -> Iterator[str]:
         if fmu.description.coSimulation.needsExecutionTool:
             tool = fmu.description.generationTool or "a tool that it does not name"
             yield f"{name} ({fmu.path.name}) needs an execution tool on this machine: {tool}"
+        clocks = [v.name for v in fmu.description.modelVariables if v.type == "Clock" and v.causality == "input"]
+        if clocks:
+            yield f"{name} ({fmu.path.name}): clocks are not supported; {', '.join(clocks)} never tick"
+        binaries = [v for v in fmu.names("input") if fmu.variables[v].type == "Binary"]
+        if binaries:
+            yield f"{name} ({fmu.path.name}): binary inputs are not supported; {', '.join(binaries)} stay at the start"
         own = step * assembly.periods(step)[name]
         if fmu.inner_step is not None and not is_multiple(own, fmu.inner_step):
             yield (

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,12 +48,12 @@ class Wiring:
     ----------
     inputs : by component
     outputs : by component
-    directions : of the power bonds
+    bonds : the power bonds of the contact: structure and direction of each
     """
 
     inputs: tuple[Input, ...]
     outputs: tuple[Key, ...]
-    directions: tuple[str, ...]
+    bonds: tuple[tuple[str, str], ...]
 
     @classmethod
     def of(cls, assembly: Assembly) -> Wiring:
@@ -70,29 +68,7 @@ class Wiring:
             inputs += [_input((name, variable), links.get(variable), assembly) for variable in call_order(fmu, links)]
             numeric = [v for v in fmu.names("output") if fmu.variables[v].type in NUMERIC]
             outputs += [(name, variable) for variable in call_order(fmu, numeric)]
-        return cls(tuple(inputs), tuple(outputs), tuple(dict.fromkeys(b.direction for b in assembly.bonds)))
-
-    @cached_property
-    def _places(self) -> tuple[dict[str, slice], dict[str, slice]]:
-        return _parts([each.key[0] for each in self.inputs]), _parts([name for name, _ in self.outputs])
-
-    def inputs_of(self, component: str) -> slice:
-        """Return where the inputs of a component stand."""
-        return self._places[0].get(component, slice(0, 0))
-
-    def outputs_of(self, component: str) -> slice:
-        """Return where the outputs of a component stand."""
-        return self._places[1].get(component, slice(0, 0))
-
-
-def _parts(owners: Sequence[str]) -> dict[str, slice]:
-    """Return where each component's entries stand in a list in which they follow each other."""
-    begin, parts = 0, {}
-    for owner, group in groupby(owners):
-        count = sum(1 for _ in group)
-        parts[owner] = slice(begin, begin + count)
-        begin += count
-    return parts
+        return cls(tuple(inputs), tuple(outputs), tuple((b.structure, b.direction) for b in assembly.bonds))
 
 
 def _input(key: Key, link: Link | None, assembly: Assembly) -> Input:
@@ -178,18 +154,24 @@ def make_plan(
         tolerance=np.array([algorithm.tolerance]),
         scratch=np.zeros(max(into.size.max(initial=1), out.size.max(initial=1)), dtype=np.uint64),
         bond_force=_whole([place_u[b.force.wire.end_element, b.force.wire.end_connector] for b in assembly.bonds]),
-        bond_velocity=_whole(
-            [place_y[b.velocity.wire.start_element, b.velocity.wire.start_connector] for b in assembly.bonds]
-        ),
-        bond_row=_whole([wiring.directions.index(b.direction) for b in assembly.bonds]),
-        energy=np.zeros((len(wiring.directions), 2)),
+        bond_velocity=_whole([place_y[_start(b.velocity)] for b in assembly.bonds]),
+        bond_way=_whole([-1 if b.way is None else place_y[_start(b.way)] for b in assembly.bonds]),
+        bond_gain=np.array([b.factors for b in assembly.bonds]).reshape(-1, 2),
+        bond_owner=_whole([index[b.velocity.wire.start_element] for b in assembly.bonds]),
+        bond_before=np.zeros((len(assembly.bonds), 2)),
+        energy=np.zeros((len(assembly.bonds), 2)),
     )
 
 
-def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.bool_]:
-    """Return which variables are whole numbers of 64 bits, which a double need not hold."""
+def _start(link: Link) -> Key:
+    """Return the output that a connection begins at."""
+    return link.wire.start_element, link.wire.start_connector
+
+
+def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.int64]:
+    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables."""
     kinds = [assembly.fmus[element].variables[name].fmi_type for element, name in keys]
-    return np.array([kind in ("Int64", "UInt64") for kind in kinds], dtype=bool)
+    return _whole([k for k, kind in enumerate(kinds) if kind in ("Int64", "UInt64")])
 
 
 def _is_exact(each: Input, assembly: Assembly) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 from numba import njit
 
 from ..errors import InputError
@@ -52,9 +53,9 @@ def patterns(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     return () if list(texts) == ["none"] else tuple(texts)
 
 
-Further = namedtuple("Further", ["transfers", "real", "word", "wide"])
-"""Variables that are fetched when a row is recorded: the calls that get them, their latest values, whether they are
-whole numbers of 64 bits."""
+Further = namedtuple("Further", ["transfers", "real", "word", "wide", "whole"])
+"""Variables that are fetched when a row is recorded: the calls that get them, their latest values, the positions of
+whole numbers of 64 bits among them, and whether any of them is a whole number."""
 
 
 @njit(cache=True)
@@ -67,8 +68,7 @@ def _fetch(plan, more, row, words):  # type: ignore[no-untyped-def]
             if status > 1:
                 return c, status
     before = row.size - more.real.size
-    for k in range(more.real.size):
-        loop.put(row, words, before + k, more.real[k], more.word[k], more.wide[k])
+    loop.put(row, words, before, values, more.wide)
     return 0, 0
 
 
@@ -83,6 +83,9 @@ def snapshot(plan, more, record):  # type: ignore[no-untyped-def]
 def advance(plan, more, clock, first, steps, every, record):  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     """Do what `loop.advance` does, and fetch the further variables whenever a row is recorded.
 
+    They are not known any more for the step before a fault: the components have gone on from there. Doubles are then no
+    numbers; whole numbers, which cannot say so, are fetched at every step.
+
     Parameters
     ----------
     more : Further
@@ -95,17 +98,22 @@ def advance(plan, more, clock, first, steps, every, record):  # type: ignore[no-
     """
     if more.real.size == 0:
         return loop.advance(plan, clock, first, steps, every, record)
-    done = rows = 0
+    done = rows = kept = 0  # `kept`: as in `loop.advance`
     while done < steps:
-        size = min(every - (first + done) % every, steps - done)
+        size = 1 if more.whole else min(every - (first + done) % every, steps - done)
         part = (record[0][rows:], record[1][rows:])
         made, count, what, where, status = loop.advance(plan, clock, first + done, size, every, part)
         done += made
-        if count:
+        fault = what != loop.OK and plan.ending[0] < 0
+        if (count or more.whole) and not fault:
             failed, bad = _fetch(plan, more, part[0][0], part[1][0])
             if bad > 1:
                 return done, rows, loop.GET, failed, bad
-        rows += count
+        elif count:
+            part[0][0][part[0].shape[1] - more.real.size :] = np.nan
+        if fault:
+            return done, rows + max(count, kept), what, where, status
+        rows, kept = rows + count, 1 - count
         if what != loop.OK:
             return done, rows, what, where, status
     return done, rows, loop.OK, 0, 0

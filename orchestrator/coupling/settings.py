@@ -8,6 +8,12 @@ from math import floor, inf
 from ..errors import InputError
 from .algorithms import find_algorithm
 
+MOST_STEPS = 1e15
+"""Most steps of a run: beyond 9e15, doubles do not count by one any more."""
+
+LONGEST_TIMEOUT = 1e6
+"""Longest time that a call may be given [s]; the system's clocks count milliseconds in 32 bits."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -36,11 +42,15 @@ class Settings:
             raise InputError(f"step = {self.step:g} s: must be > 0")
         if not self.step <= self.duration < inf:
             raise InputError(f"duration = {self.duration:g} s: must be at least one step of {self.step:g} s")
+        if self.duration / self.step > MOST_STEPS:
+            raise InputError(
+                f"duration = {self.duration:g} s in steps of {self.step:g} s: more than {MOST_STEPS:g} steps; refused"
+            )
         find_algorithm(self.algorithm)
-        if self.record_every < 1:
-            raise InputError(f"record_every = {self.record_every}: must be >= 1")
-        if self.timeout is not None and not 0 < self.timeout < inf:
-            raise InputError(f"timeout = {self.timeout:g} s: must be > 0")
+        if not 1 <= self.record_every <= MOST_STEPS:
+            raise InputError(f"record_every = {self.record_every}: must be >= 1 and <= {MOST_STEPS:g}")
+        if self.timeout is not None and not 0 < self.timeout <= LONGEST_TIMEOUT:
+            raise InputError(f"timeout = {self.timeout:g} s: must be > 0 and <= {LONGEST_TIMEOUT:g}")
 
     @property
     def steps(self) -> int:
@@ -68,8 +78,10 @@ class Progress:
     total : steps of the whole run
     steps : steps made
     wall : wall time in the loop [s]
-    energy_residual : energy that the scheme adds, by direction [J]
-    energy_into_structures : energy that went through the bonds, by direction [J]
+    energy_residual : energy that the scheme adds: by contact direction (lon, lat, normal, spin) from the account of a
+        contact that keeps one, else by track direction, as if the forces were meant for the communication points [J]
+    energy_into_structures : energy that the forces put into wheel and rail, by track direction [J]
+    energy_into : the same by structure (wheel, rail) [J]
     stopped : whether a stop was requested before the end
     ended : sentence that says which component ended the run before its time; None if none did
     sweeps : how often a step was made on average until its values converged; 1 without iteration
@@ -81,6 +93,7 @@ class Progress:
     wall: float = 0.0
     energy_residual: dict[str, float] = field(default_factory=dict)
     energy_into_structures: dict[str, float] = field(default_factory=dict)
+    energy_into: dict[str, float] = field(default_factory=dict)
     stopped: bool = False
     ended: str | None = None
     sweeps: float = 1.0

@@ -23,7 +23,7 @@ def draw_competition(title: str, groups: dict[str, list[Tone]], path: Path) -> N
             reach = [[100 * (tone.share - tone.low)], [100 * (tone.high - tone.share)]]
             axes.barh(y, 100 * tone.share, color=COLOURS["wheel"], alpha=0.75, height=0.6)
             axes.errorbar(100 * tone.share, y, xerr=reach, color="black", capsize=3, linewidth=1)
-        labels = ["at rest" if tone.frequency_hz is None else f"{tone.frequency_hz:.0f} Hz" for _, tone in rows]
+        labels = [tone.words for _, tone in rows]
         if len(groups) > 1:
             labels = [f"{words}: {label}" for (words, _), label in zip(rows, labels, strict=True)]
         axes.set_yticks(range(len(rows)), labels)

@@ -49,8 +49,11 @@ _LOGGER = fmi2CallbackLoggerTYPE(_hear)
 _Signatures = dict[str, tuple[Any, Any, Any]]
 """Names of arguments, their types and that of the result of FMI functions, by name."""
 
-_complete: dict[str, _Signatures] = {}
-"""Libraries that have all functions, by path."""
+_signatures: dict[type, _Signatures] = {}
+"""By class of FMPy's slaves."""
+
+_complete: set[str] = set()
+"""Paths of libraries that have all functions."""
 
 
 class _Functions(dict[str, Any]):
@@ -69,15 +72,19 @@ class _Functions(dict[str, Any]):
 
 
 class _Quick:
-    """FMPy looks up all functions for each instance; once per library is enough, where there are a thousand."""
+    """FMPy asks Python for all signatures, for each instance; once is enough, where there are a thousand instances."""
 
     def _loadFunctions(self: Any) -> None:  # noqa: N802 - FMPy's name
-        path = self.dll._name
-        if path in _complete:
-            self._functions = _Functions(self.dll, _complete[path])
-        else:
+        path, known = self.dll._name, _signatures.get(type(self))
+        if known is None:
             super()._loadFunctions()  # type: ignore[misc]
-            _complete[path] = {n: (f.argnames, f.argtypes, f.restype) for n, f in self._functions.items()}
+            _signatures[type(self)] = {n: (f.argnames, f.argtypes, f.restype) for n, f in self._functions.items()}
+        else:
+            if path not in _complete:
+                for name in known:
+                    getattr(self.dll, name)  # one that is missing is the error that FMPy makes of it
+            self._functions = _Functions(self.dll, known)
+        _complete.add(path)
 
 
 class FMU2Quick(_Quick, FMU2Slave):  # type: ignore[misc]
@@ -181,7 +188,7 @@ class Fmi2(Binding):
             instanceName=name,
         )
         self.slave.unzipDirectory = str(self.folder.path)  # where it looks for resources; the library is loaded
-        guard_exit(fmu.folder)
+        guard_exit(fmu.folder, fmu.path)
 
     def instantiate(self) -> None:
         """Make the instance."""

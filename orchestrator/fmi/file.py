@@ -24,6 +24,9 @@ from .types import plain_type
 
 Value = float | int | bool | str
 
+MOST_VARIABLES = 2_000_000
+"""Most scalar variables and elements of arrays of an FMU."""
+
 WHOLE = ("Integer", "Enumeration", "Boolean")
 NUMERIC = ("Real", *WHOLE)
 """Types that can be exchanged and recorded as numbers, and those of them that are whole numbers."""
@@ -107,6 +110,10 @@ class Fmu:
     @cached_property
     def variables(self) -> dict[str, Variable]:
         """The variables by name, arrays element by element."""
+        count = sum(prod(_shape(d, self.structure)) for d in self.description.modelVariables)
+        if count > MOST_VARIABLES:
+            raise InputError(f"{self.path}: has {count} variables, elements of arrays counted; refused")
+
         return {v.name: v for d in self.description.modelVariables for v in _elements(d, self.structure)}
 
     def resized(self, sizes: Mapping[str, int]) -> Fmu:

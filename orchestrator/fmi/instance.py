@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fmpy.fmi1 import FMICallException
 
@@ -25,6 +25,19 @@ STATUS = ("OK", "warning", "discard", "error", "fatal", "pending")
 
 _seen: set[str] = set()
 """Checksums of the FMUs that this process has had an instance of and may have no second one of."""
+
+
+class _Reading(NamedTuple):
+    """How variables are got.
+
+    Attributes
+    ----------
+    calls : type, value references and number of values of each call
+    places : positions of the variables among the values of all calls
+    """
+
+    calls: list[tuple[str, list[int], int]]
+    places: list[int]
 
 
 class FmuInstance:
@@ -49,6 +62,7 @@ class FmuInstance:
         self.name = name
         self.messages: list[str] = []
         self.lost = False
+        self._readings: dict[tuple[str, ...], _Reading] = {}
         alone = fmu.once_per_process and (scratch or fmu.checksum in _seen)
         self.apart = timeout is not None or alone
         if fmu.once_per_process and not self.apart:
@@ -144,14 +158,26 @@ class FmuInstance:
 
     def _get(self, names: Sequence[str]) -> list[Any]:
         """Return variables by name; those that share a value reference are got once."""
+        reading = self._readings.get(tuple(names)) or self._reading(names)
+        found: list[Any] = []
+        for kind, references, count in reading.calls:
+            with self._calling(f"get{self._binding.suffix[kind]}"):
+                found += self._binding.get(kind, references, count)
+        return [found[place] for place in reading.places]
+
+    def _reading(self, names: Sequence[str]) -> _Reading:
+        """Return how to get variables, and remember it: a structure that is tried gets the same ones at every step."""
         variables = [self.fmu.variables[name] for name in names]
-        found: dict[tuple[str, int], list[Any]] = {}
+        calls, begins, total = [], {}, 0
         for kind in dict.fromkeys(v.fmi_type for v in variables):
             sizes = {v.valueReference: v.size for v in variables if v.fmi_type == kind}
-            with self._calling(f"get{self._binding.suffix[kind]}"):
-                values = iter(self._binding.get(kind, list(sizes), sum(sizes.values())))
-            found.update({(kind, ref): [next(values) for _ in range(size)] for ref, size in sizes.items()})
-        return [found[v.fmi_type, v.valueReference][v.element] for v in variables]
+            calls.append((kind, list(sizes), sum(sizes.values())))
+            for reference, size in sizes.items():
+                begins[kind, reference] = total
+                total += size
+        places = [begins[v.fmi_type, v.valueReference] + v.element for v in variables]
+        reading = self._readings[tuple(names)] = _Reading(calls, places)
+        return reading
 
     def enter_initialization_mode(self, start: float, stop: float) -> None:
         """Set up the experiment and enter initialisation mode."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 from itertools import count
 from multiprocessing.connection import Connection
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from fmpy.fmi1 import FMICallException
@@ -23,6 +25,7 @@ def serve(connection: Connection, path: Path, name: str) -> None:
     """Instantiate an FMU and answer calls, each with status, result and messages, until the other side is gone."""
     os.dup2(2, 1)  # what the FMU prints is not for the standard output, which may be a program's input
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the master's business
+    Thread(target=_end_with_parent, daemon=True).start()
     messages: list[str] = []
     slave: list[_Slave] = []
 
@@ -39,6 +42,14 @@ def serve(connection: Connection, path: Path, name: str) -> None:
     for each in slave:
         each.binding.folder.close()
     os._exit(0)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it is gone, be it in the middle of a call."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(0)
 
 
 def _reply(connection: Connection, messages: list[str], function: Any, *arguments: Any) -> None:

@@ -156,11 +156,17 @@ class Balance:
         T, _ = self.responses(state)
         return self._residual(state, (T @ state.forces[:, :, None])[:, :, 0])
 
-    def _residual(self, state: State, lines: Complex) -> Real:
+    def _law(self, state: State, lines: Complex, with_slopes: bool) -> tuple[Real, Real]:
+        """Return the samples of the forces, (N, d), and of their slopes, (N, d, d), or none of these."""
         contact = self.model_of(state).instance
-        forces = np.empty((self.truncation.samples, len(self.active)))
-        slopes = np.empty((0, len(self.active), len(self.active)))
+        d, N = len(self.active), self.truncation.samples
+        forces, slopes = np.empty((N, d)), np.empty((N if with_slopes else 0, d, d))
         sample_law(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), forces, slopes)
+        return forces, slopes
+
+    def _residual(self, state: State, lines: Complex, forces: Real | None = None) -> Real:
+        if forces is None:
+            forces, _ = self._law(state, lines, with_slopes=False)
         law = np.fft.rfft(forces, axis=0)[: self.truncation.harmonics + 1] / self.truncation.samples
         r = (state.forces - law) / FORCE_SCALE[list(self.active)]
         y = self.reference_factor * lines[1, self.active.index(self.reference)]
@@ -178,16 +184,16 @@ class Balance:
         T, dT = self.responses(state)
         lines = (T @ state.forces[:, :, None])[:, :, 0]
         slope_lines = (dT @ state.forces[:, :, None])[:, :, 0]
-        J = self.slopes(state, lines)
+        forces, slopes = self._law(state, lines, with_slopes=True)
         jacobian = np.zeros((self.size - 1, self.size))
-        self._force_columns(jacobian, J, T)
+        self._force_columns(jacobian, np.fft.fft(slopes, axis=0) / len(slopes), T)
         k = np.arange(len(lines))[:, None]
-        self._column(jacobian, -3, J, 1j * k * slope_lines, self.omega_scale)
+        self._column(jacobian, -3, slopes, 1j * k * slope_lines, self.omega_scale)
         jacobian[-1, -2] = -1.0
-        residual = self._residual(state, lines)
+        residual = self._residual(state, lines, forces)
         if self.model_at is None:
             slope_lines[0] = 0.0
-            self._column(jacobian, -1, J, slope_lines, self.free_scale)
+            self._column(jacobian, -1, slopes, slope_lines, self.free_scale)
         else:
             step = 1e-6
             ahead, behind = x.copy(), x.copy()
@@ -198,11 +204,8 @@ class Balance:
 
     def slopes(self, state: State, lines: Complex) -> Complex:
         """Return the Fourier coefficients of the slopes of the forces, (N, d, d), line k at index k modulo N."""
-        contact = self.model_of(state).instance
-        d, N = len(self.active), self.truncation.samples
-        forces, J = np.empty((N, d)), np.empty((N, d, d))
-        sample_law(contact.parameters, contact.derived, np.array(self.active), self.motion(lines), forces, J)
-        return np.fft.fft(J, axis=0) / N
+        _, slopes = self._law(state, lines, with_slopes=True)
+        return np.fft.fft(slopes, axis=0) / len(slopes)
 
     def _force_columns(self, jacobian: Real, J: Complex, T: Complex) -> None:
         """Put the derivatives by the forces into the Jacobian."""
@@ -233,10 +236,9 @@ class Balance:
         jacobian[-2, d : 2 * d], jacobian[-2, p : p + d] = row.imag, row.real
         jacobian[-1, d : 2 * d], jacobian[-1, p : p + d] = row.real, -row.imag
 
-    def _column(self, jacobian: Real, place: int, J: Complex, change: Complex, scale: float) -> None:
+    def _column(self, jacobian: Real, place: int, slopes: Real, change: Complex, scale: float) -> None:
         """Put the derivative by a number that changes the motion by `change` per unit into a column."""
         N, H = self.truncation.samples, self.truncation.harmonics
-        slopes = np.fft.ifft(J, axis=0).real * N
         moved = np.fft.irfft(change * scale, N, axis=0) * N
         law = np.fft.rfft((slopes @ moved[:, :, None])[:, :, 0], axis=0)[: H + 1] / N
         r = -law / FORCE_SCALE[list(self.active)]

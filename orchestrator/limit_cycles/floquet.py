@@ -22,9 +22,6 @@ LONGEST_STEP = 8e-6
 
 FEWEST_STEPS = 512
 
-PHASE = 0.9
-"""Overlap with the cycle's own time derivative from which on an exponent is that of the phase."""
-
 _NEAR_ZERO = 5.0
 
 

@@ -17,6 +17,10 @@ Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
+_REAL = 1e-5
+"""Imaginary part, relative, below which a pole that was identified is real."""
+
+
 @dataclass(frozen=True)
 class Part:
     """A structure x' = A x + B F with displacement U x and velocity V x, A of 2 x 2 blocks.
@@ -143,8 +147,9 @@ def _of_modes(modes: Modes) -> Part:
 
 def _of_identified(found: Identified) -> Part:
     """Return each complex pair of poles as real and imaginary part of its state, a real pole as half a pair."""
-    paired = found.pole.imag > 0
-    chosen = np.flatnonzero(paired | (found.pole.imag == 0))
+    alone = np.abs(found.pole.imag) < _REAL * np.abs(found.pole)  # real, up to the rounding of the identification
+    paired = (found.pole.imag > 0) & ~alone
+    chosen = np.flatnonzero(paired | alone)
     p, c, b = found.pole[chosen], found.observe[:, chosen], found.drive[chosen]
     twice = np.where(paired[chosen], 2.0, 1.0)
     blocks = np.stack([np.stack([p.real, -p.imag], -1), np.stack([p.imag, p.real], -1)], -2)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ..published.cases import PAPER_HZ, SAME_TONE
+from ..published.cases import PAPER_HZ
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.spectra import regular
@@ -31,6 +31,9 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 CLIP_S = 6.0
 """Longest sound that the page carries [s]."""
+
+_ADDED = "contact.energy_added_"
+"""Columns of the energy that holding the forces adds, by direction."""
 
 _ALGORITHMS = ("staggered", "jacobi")
 _LEAST_ROWS = 100
@@ -70,12 +73,6 @@ class Section:
     def paper_hz(self) -> float | None:
         """Dominant frequency that the paper gives for this case."""
         return PAPER_HZ.get(str(self.attributes.get("case")))
-
-    @property
-    def meets_paper(self) -> bool:
-        """Whether the dominant tone is the paper's, within 1 %."""
-        f, paper = self.cycle.frequency_hz, self.paper_hz
-        return self.cycle.squeals and f is not None and paper is not None and abs(f / paper - 1) < SAME_TONE
 
     @property
     def summary(self) -> str:
@@ -163,7 +160,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         sound=sound,
         silence=silence,
         audio=_audio(data) if sound is not None and cycle.squeals else None,
-        residual={str(n).rpartition(".")[2]: float(data[n][-1]) for n in data.data_vars if "energy_residual" in str(n)},
+        residual={str(n).removeprefix(_ADDED): float(data[n][-1]) for n in data.data_vars if str(n).startswith(_ADDED)},
         spurious=_spurious(data, model, unknown),
         plots=_plots(data, model, sound),
     )

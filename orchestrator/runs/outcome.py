@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..coupling.master import Progress, Settings
+from ..plain_json import dumps
 from ..results.file import open_results
 from ..signals.summary import Summary
 from ..stability.scheme import Spurious
-from .verdict import Verdict
+from .verdict import Verdict, energy_share
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -66,9 +66,13 @@ def as_json(outcome: Outcome) -> str:
         "growth_rate": s.growth_rate,
         "wheel_velocity_rms": s.wheel_velocity_rms,
         "rail_velocity_rms": s.rail_velocity_rms,
+        "wheel_velocity_rms_contact": s.wheel_contact_rms,
+        "rail_velocity_rms_contact": s.rail_contact_rms,
         "contact_lost": s.contact_lost,
         "energy_residual": p.energy_residual,
         "energy_into_structures": p.energy_into_structures,
+        "energy_into": p.energy_into,
+        "energy_residual_share": energy_share(p),
         "energy_dissipated": s.energy_dissipated,
         "max_growth_rate_error": outcome.spurious.largest,
         "spurious_growth": outcome.spurious.sentence,
@@ -78,4 +82,4 @@ def as_json(outcome: Outcome) -> str:
         "results": str(outcome.results),
         "picture": None if outcome.picture is None else str(outcome.picture),
     }
-    return json.dumps(data, allow_nan=False, indent=1)
+    return dumps(data)

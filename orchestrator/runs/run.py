@@ -28,6 +28,10 @@ if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
 
+LONG, SOON = 3600.0, 1.0
+"""Wall time of a run that is told of beforehand, and after which it is known well enough [s]."""
+
+
 @dataclass(frozen=True)
 class Keeping:
     """Where a run keeps checkpoints, and how often.
@@ -123,6 +127,7 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
     """Step to the end, keep checkpoints on the way, and sum up."""
     error = None
     last = time.monotonic()
+    told: list[float] = []
     known = {} if keeping is None else resolved(master.assembly, master.settings)
 
     def follow(latest: Progress) -> None:
@@ -130,6 +135,10 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
         if keeping is not None and time.monotonic() - last >= keeping.every:
             write_checkpoint(keeping.path, scenario, master, results, known)
             last = time.monotonic()
+        if not told and latest.steps and latest.wall > SOON:
+            told.append(latest.wall / latest.steps * latest.total)
+            if told[0] > LONG:
+                report.notice(f"this will take about {told[0] / 3600:.1f} h at the speed of the first steps")
         report.progress(latest)
 
     with results, stop_on_signals() as stop_requested:

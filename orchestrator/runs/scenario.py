@@ -81,6 +81,8 @@ def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Valu
 
     The velocities are independent and normal with standard deviation `RANDOM_START`.
     """
+    if seed < 0:
+        raise InputError(f"seed = {seed}: must be >= 0")
     random = np.random.default_rng(seed)
     values: dict[str, dict[str, Value]] = {}
     for name, fmu in fmus.items():

@@ -1,28 +1,25 @@
-"""Treatments named on a run: damping of modes by label, and rails by name; texts in, parameter values and FMUs out."""
+"""Treatments named on a run: damping of modes by label, and wheels by name; texts in, parameter values and FMUs out."""
 
 from __future__ import annotations
 
 import hashlib
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fmus.errors import DataError
-from fmus.modal import component as structure_of
-from fmus.modal.component import structure
 from fmus.modal.layout import DAMPING_RATIO
 from fmus.modal.parameters import names_of
-from fmus.packaging.build import build_fmu
 from fmus.packaging.target import default_target
-from fmus.rail import shipped
-from fmus.rail.track_data import TRACKS, read_track
+from fmus.wheel.component import wheel
 from fmus.wheel.treatment import matching, read_rule
 
-from ..archive import cache_folder
 from ..coupling.assembly import open_fmus
 from ..errors import InputError
-from ..fmi.instance import Fmu, Value
+from ..fmi.instance import Value
+from ..stability.cases import find_wheel
 from ..system.cases import find_system
+from ..system.kept import kept_fmu, structure_key
+from ..system.settable import labels_of
 from ..system.values import component_values
 
 DEFAULT_COMPONENT = "wheel"
@@ -70,18 +67,12 @@ def damping_values(
     return result
 
 
-def labels_of(fmu: Fmu) -> list[str]:
-    """Return the labels of an FMU's modes, which stand in the descriptions of its damping ratios."""
-    names = names_of(DAMPING_RATIO, fmu.variables)
-    texts = [str(fmu.variables[name].description or "") for name in names.values()]
-    array = {text.partition("one value per mode: ")[2] for text in texts}
-    if len(array) == 1 and (labels := array.pop()):
-        return labels.split("; ")
-    return [text.partition(" of mode ")[2].partition(", ")[2] for text in texts]
+def wheel_named(text: str) -> tuple[Path, Mapping[str, float]]:
+    """Return the FMU of a wheel, and the parameters of the contact that go with it.
 
-
-def rail_named(text: str) -> Path:
-    """Return the FMU of a rail: a file, or a track by name or file, fitted and built when this was not done before.
+    Parameters
+    ----------
+    text : an .fmu file, a shipped wheel such as generic840, or a file of modal data (.toml)
 
     Raises
     ------
@@ -90,29 +81,11 @@ def rail_named(text: str) -> Path:
     """
     path = Path(text)
     if path.suffix == ".fmu":
-        return path
-    tracks = {file.stem: file for file in sorted(TRACKS.glob("*.toml"))}
-    track = tracks.get(text, path)
-    if not track.is_file():
-        raise InputError(f"rail {text}: neither an .fmu, a track file nor one of {', '.join(tracks)}")
-    final = cache_folder().parent / "rails" / f"{track.stem}-{rail_key(track)}.fmu"
-    if not final.is_file():
-        try:
-            data = shipped.modal_rail(read_track(track), "accurate")
-        except DataError as error:
-            raise InputError(str(error)) from None
-        final.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=final.parent) as folder:
-            temporary = Path(folder) / "rail.fmu"
-            build_fmu(structure("rail", f"Rail at the contact point: {data.title}", data.modes), temporary)
-            temporary.replace(final)
-    return final
-
-
-def rail_key(track: Path) -> str:
-    """Return a name for the rail of a track file that changes with the file and with how rails are made."""
-    digest = hashlib.sha256(track.read_bytes() + str(default_target()).encode())
-    for folder in (Path(shipped.__file__).parent, Path(structure_of.__file__).parent):
-        for source in sorted(folder.glob("*.py")):
-            digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
+        return path, {}
+    found = find_wheel(text)
+    if found.modes is None:
+        raise InputError(f"wheel {text}: has no modes, so no FMU can be made of it")
+    component = wheel(found.modes)
+    starts = "\n".join(f"{v.name}={v.start!r} {v.description}" for v in component.of("parameter"))
+    key = hashlib.sha256(f"{default_target()}\n{structure_key()}\n{starts}".encode()).hexdigest()[:16]
+    return kept_fmu("wheels", f"{path.stem}-{key}", lambda: component), found.contact

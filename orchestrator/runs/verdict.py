@@ -11,6 +11,7 @@ from fmus.modal.parameters import modal_velocities
 
 from ..errors import InputError
 from ..signals.limit_cycle import SQUEAL_VELOCITY, limit_cycle
+from ..signals.spectra import regular
 from ..signals.summary import Summary
 from ..sound.levels import Sound, sound_of
 from ..sound.wheelset import wheelset_of
@@ -29,7 +30,7 @@ SHORT_HZ = 10.0
 """Resolution of the level of a run that is too short for the usual one [Hz]."""
 
 ENERGY_SHARE = 0.01
-"""Part of the energy into wheel and rail that the coupling may have added before its figures are doubted."""
+"""Part of the energy into wheel and rail that the coupling may add or take before its figures are doubted."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Verdict:
     ----------
     squeals : whether the wheel's lateral velocity in the second half is above 1 mm/s rms, half a per cent of the
         sliding velocity of the paper's cases; None where there is no wheel
-    tone_hz : dominant frequency of it [Hz]; None where it does not squeal
+    tone_hz : dominant frequency of it [Hz]; None where it does not squeal, or not at a tone
     mode : of the wheel, such as "(3,0)"; None where it does not squeal or the wheel is not known
     level_dba, level_dba_band : A-weighted level at 7.5 m and the band of its doubtful coefficients [dB(A)]; None where
         it is not known
@@ -48,6 +49,7 @@ class Verdict:
     trust : "good", "doubtful" or "unknown"
     reasons : why it is not good, one sentence each
     sentence : all of that in words
+    irregular : whether it squeals without a line spectrum; None where that is not known
     """
 
     squeals: bool | None
@@ -59,6 +61,7 @@ class Verdict:
     trust: str
     reasons: tuple[str, ...]
     sentence: str
+    irregular: bool | None = None
 
     def as_data(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -70,6 +73,7 @@ class Verdict:
             "level_dba": self.level_dba,
             "level_dba_band": band,
             "steady": self.steady,
+            "irregular": self.irregular,
             "trust": {"verdict": self.trust, "reasons": list(self.reasons)},
             "verdict": self.sentence,
         }
@@ -90,15 +94,18 @@ def verdict(data: xr.Dataset, summary: Summary, progress: Progress, spurious: Sp
     sound = _sound(data) if cycle.squeals else None
     band = None if sound is None else (sound.low_dba, sound.high_dba)
     level = None if sound is None else sound.level_dba
-    tone = cycle.frequency_hz if cycle.squeals else None
+    irregular = cycle.irregular if cycle.squeals else None
+    tone = cycle.frequency_hz if cycle.squeals and not irregular else None
     mode = None if tone is None else _mode(data, tone)
     parts = [_words(cycle.squeals, tone, mode, summary.growth_rate)]
+    if irregular:
+        parts[0] = f"squeals irregularly, without a tone (strongest line {cycle.frequency_hz:.0f} Hz)"
     if level is not None and band is not None:
         parts.append(f"{level:.0f} dB(A) at 7.5 m ({band[0]:.0f} to {band[1]:.0f})")
     if cycle.squeals:
         parts.append("steady" if cycle.steady else f"not steady: its level changes by {cycle.unsteadiness:.0%}")
     parts.append(f"trust: {trust}{''.join(f'; {reason}' for reason in reasons)}")
-    return Verdict(cycle.squeals, tone, mode, level, band, cycle.steady, trust, reasons, ", ".join(parts))
+    return Verdict(cycle.squeals, tone, mode, level, band, cycle.steady, trust, reasons, ", ".join(parts), irregular)
 
 
 def _words(squeals: bool, tone: float | None, mode: str | None, growth: float | None) -> str:
@@ -129,10 +136,20 @@ def _mode(data: xr.Dataset, tone_hz: float) -> str | None:
     near = np.flatnonzero(np.abs(modes.omega / (2 * np.pi * tone_hz) - 1) < NEAR)
     if len(names) != len(modes.labels) or not near.size:
         return None
+    data = regular(data)  # of a last row after a fault the modal velocities are not known
     half = data.sizes["time"] // 2
     squares = [float(np.square(np.asarray(data[names[i]][half:], dtype=float)).mean()) for i in near]
     label: str = modes.labels[near[int(np.argmax(squares))]]
     return label.split(" ", maxsplit=1)[0]
+
+
+def energy_share(progress: Progress) -> float | None:
+    """Return the energy that the coupling added over the vibration energy that wheel and rail took [-].
+
+    What they took they dissipated, or it is in them at the end. None where nothing went into them.
+    """
+    into = sum(abs(energy) for energy in progress.energy_into.values())
+    return sum(progress.energy_residual.values()) / into if into > 0 else None
 
 
 def _trust(progress: Progress, spurious: Spurious) -> tuple[str, tuple[str, ...]]:
@@ -140,10 +157,10 @@ def _trust(progress: Progress, spurious: Spurious) -> tuple[str, tuple[str, ...]
     reasons = []
     if spurious.invented:
         reasons.append(f"the scheme makes {spurious.invented} stable modes unstable; take a smaller step")
-    into = sum(abs(e) for e in progress.energy_into_structures.values())
-    added = sum(progress.energy_residual.values())
-    if into > 0 and added > ENERGY_SHARE * into:
-        reasons.append(f"the coupling added {added / into:.1%} of the energy that went into wheel and rail")
+    share = energy_share(progress)
+    if share is not None and abs(share) > ENERGY_SHARE:
+        did = "added" if share > 0 else "took"
+        reasons.append(f"the coupling {did} {abs(share):.1%} of the energy that went into wheel and rail")
     if reasons:
         return "doubtful", tuple(reasons)
     if spurious.largest is None:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from ..stability.poles import Poles
+from .axes import lateral_and_normal
+from .lines import is_irregular
 from .spectra import regular
 from .summary import dominant_frequency, sample_interval, spectrum
 
@@ -22,7 +24,8 @@ STEADY = 0.05
 """A vibration is steady if its levels in the quarters of the second half differ by less than this part."""
 
 SQUEAL_VELOCITY = 1e-3
-"""Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]."""
+"""Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]: half a per cent of the sliding velocity
+of the cases. A limit cycle reaches the sliding velocity; what a stable system has left of its start is far below."""
 
 LINEAR_VELOCITY = 0.02
 """Lateral velocity up to which growth counts as linear [m/s]: a tenth of the sliding velocity."""
@@ -58,7 +61,7 @@ class Harmonic:
     Attributes
     ----------
     number : 1 is the dominant tone
-    wheel, rail : by direction, lat and ver
+    wheel, rail : by direction: lat and ver, and plane and normal where the contact angle is known
     """
 
     number: int
@@ -76,12 +79,13 @@ class LimitCycle:
     frequency_hz : dominant frequency of the wheel's lateral velocity; None at rest
     lateral_rms : of the wheel [m/s]
     unsteadiness : largest relative difference of the rms in its two halves from the whole
-    rail_to_wheel : rms ratio by direction; absent where the wheel is at rest or there is no rail
+    rail_to_wheel : rms ratio by direction: lat and ver, and in contact axes plane and normal; absent where the wheel is
+        at rest or there is no rail
     second_tone_db : level of the strongest line that is no harmonic, relative to the dominant tone [dB]
-    second_tone_hz : its frequency [Hz]
     harmonics : the dominant tone and its multiples
     stick, contact_lost : parts of the time [-]; None without a contact
     normal_force, friction_force : smallest and largest [N]; None without a contact
+    irregular : whether the motion has no line spectrum, so that its dominant frequency is no tone; None if not known
     """
 
     frequency_hz: float | None
@@ -89,12 +93,12 @@ class LimitCycle:
     unsteadiness: float
     rail_to_wheel: dict[str, float]
     second_tone_db: float
-    second_tone_hz: float
     harmonics: tuple[Harmonic, ...]
     stick: float | None
     contact_lost: float | None
     normal_force: tuple[float, float] | None
     friction_force: tuple[float, float] | None
+    irregular: bool | None
 
     @property
     def squeals(self) -> bool:
@@ -126,20 +130,19 @@ def limit_cycle(data: xr.Dataset) -> LimitCycle:
     rms = _rms(lateral)
     frequency = dominant_frequency(lateral, interval)
     quarters = [_rms(part) for part in np.array_split(lateral, 2)]
-    second_db, second_hz = _second_tone(lateral, interval, frequency)
     normal, friction, stick = _contact(half)
     return LimitCycle(
         frequency_hz=frequency,
         lateral_rms=rms,
         unsteadiness=max(abs(q / rms - 1) for q in quarters) if rms > 0 else 0.0,
         rail_to_wheel=_ratios(half),
-        second_tone_db=second_db,
-        second_tone_hz=second_hz,
+        second_tone_db=_second_tone(lateral, interval, frequency),
         harmonics=_harmonics(half, interval, frequency),
         stick=stick,
         contact_lost=None if normal is None else float((normal <= 0).mean()),
         normal_force=None if normal is None else (float(normal.min()), float(normal.max())),
         friction_force=None if friction is None else (float(friction.min()), float(friction.max())),
+        irregular=is_irregular(lateral, interval),
     )
 
 
@@ -152,24 +155,21 @@ def _rms(values: Real) -> float:
 
 
 def _ratios(half: xr.Dataset) -> dict[str, float]:
-    """Return rms velocity of the rail over that of the wheel, by direction."""
-    ratios = {}
-    for d in ("lat", "ver"):
-        if f"rail.v_{d}" in half and (wheel := _rms(_values(half, f"wheel.v_{d}"))) > 0:
-            ratios[d] = _rms(_values(half, f"rail.v_{d}")) / wheel
-    return ratios
+    """Return rms velocity of the rail over that of the wheel, by direction of track and contact."""
+    wheel, rail = (lateral_and_normal(half, component) for component in ("wheel", "rail"))
+    return {d: _rms(rail[d]) / size for d in rail if d in wheel and (size := _rms(wheel[d])) > 0}
 
 
-def _second_tone(signal: Real, interval: float, frequency: float | None) -> tuple[float, float]:
-    """Return level re the dominant tone [dB] and frequency [Hz] of the strongest line away from its harmonics."""
+def _second_tone(signal: Real, interval: float, frequency: float | None) -> float:
+    """Return the level re the dominant tone of the strongest line away from its harmonics [dB]."""
     f, amplitude = spectrum(signal, interval)
     if frequency is None:
-        return -np.inf, 0.0
+        return -np.inf
     other = np.abs(f - frequency * np.round(f / frequency)) > max(0.02 * frequency, 4 * f[1])
     other &= f > 20
-    k = int(np.where(other, amplitude, 0.0).argmax())
+    strongest = np.where(other, amplitude, 0.0).max()
     with np.errstate(divide="ignore"):
-        return float(20 * np.log10(amplitude[k] / amplitude.max())), float(f[k])
+        return float(20 * np.log10(strongest / amplitude.max()))
 
 
 def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tuple[Harmonic, ...]:
@@ -179,11 +179,10 @@ def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tu
     found: dict[str, dict[str, list[float]]] = {"wheel": {}, "rail": {}}
     count = min(HARMONICS, int(0.5 / (interval * frequency)))
     for component, lines in found.items():
-        for d in ("lat", "ver"):
-            if f"{component}.v_{d}" in half:
-                f, amplitude = spectrum(_values(half, f"{component}.v_{d}"), interval)
-                near = [np.abs(f - k * frequency) < max(3.0, 3 * f[1]) for k in range(1, count + 1)]
-                lines[d] = [float(amplitude[n].max()) for n in near]
+        for d, velocity in lateral_and_normal(half, component).items():
+            f, amplitude = spectrum(velocity, interval)
+            near = [np.abs(f - k * frequency) < max(3.0, 3 * f[1]) for k in range(1, count + 1)]
+            lines[d] = [float(amplitude[n].max()) for n in near]
     return tuple(
         Harmonic(
             k + 1,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fmus.interface import DIRECTIONS
 
+from .axes import NORMAL, PLANE, lateral_and_normal
 from .spectra import regular
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -30,6 +31,8 @@ class Summary:
     dominant_frequency_hz : of the wheel's lateral velocity in the second half of the run; None if it is at rest
     growth_rate : of the wheel's lateral velocity while it grows [1/s]; None if it does not
     wheel_velocity_rms, rail_velocity_rms : by direction, second half of the run [m/s, rad/s]
+    wheel_contact_rms, rail_contact_rms : lateral in the contact plane and along the contact normal (plane, normal), the
+        same [m/s]; empty where the contact angle is not known
     contact_lost : part of the second half without normal force [-]; None without a contact
     energy_dissipated : by the creep forces in the whole run, the steady sliding included [J]; None without a contact
     """
@@ -38,6 +41,8 @@ class Summary:
     growth_rate: float | None
     wheel_velocity_rms: dict[str, float]
     rail_velocity_rms: dict[str, float]
+    wheel_contact_rms: dict[str, float]
+    rail_contact_rms: dict[str, float]
     contact_lost: float | None
     energy_dissipated: float | None
 
@@ -120,7 +125,8 @@ def summarise(data: xr.Dataset) -> Summary:
     if "contact.power_dissipated" in data:
         power, time = (whole[name].to_numpy().astype(float) for name in ("contact.power_dissipated", "time"))
         dissipated = float(power[1:] @ np.diff(time))
-    return Summary(frequency, growth, velocity_rms(half, "wheel"), velocity_rms(half, "rail"), lost, dissipated)
+    track = (velocity_rms(half, "wheel"), velocity_rms(half, "rail"))
+    return Summary(frequency, growth, *track, contact_rms(half, "wheel"), contact_rms(half, "rail"), lost, dissipated)
 
 
 def velocity_rms(data: xr.Dataset, component: str) -> dict[str, float]:
@@ -130,6 +136,12 @@ def velocity_rms(data: xr.Dataset, component: str) -> dict[str, float]:
         for d in DIRECTIONS
         if f"{component}.v_{d}" in data
     }
+
+
+def contact_rms(data: xr.Dataset, component: str) -> dict[str, float]:
+    """Return the rms velocity of a structure in the contact plane and along the normal; empty where not known."""
+    motion = lateral_and_normal(data, component)
+    return {d: float(np.sqrt(np.mean(np.square(motion[d])))) for d in (PLANE, NORMAL) if d in motion}
 
 
 def sample_interval(data: xr.Dataset) -> float:

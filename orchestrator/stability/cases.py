@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,17 +15,21 @@ from fmus.contact.parameters import PARAMETERS
 from fmus.interface import DEFAULT_STEP
 from fmus.modal.data import read_modal_data
 from fmus.modal.modes import Modes
+from fmus.modal.parameters import modes_of
 from fmus.rail.component import DATA as RAIL_DATA
 from fmus.rail.track_data import TRACKS, read_track
 from fmus.wheel.class158 import class158, identified_stiffness
 from fmus.wheel.wheelset import DATA as WHEEL_DATA
 from fmus.wheel.wheelset import read_wheelset
 
+from ..coupling.assembly import open_fmus
 from ..errors import InputError
-from ..fmi.instance import open_fmu
+from ..fmi.instance import Value, open_fmu
 from ..probing.response import measure
 from ..system.cases import find_system
+from ..system.kept import rail_named, track_file, track_names
 from ..system.model import Element, System
+from ..system.settable import labels_of, spread
 from ..system.values import component_values
 from .analysis import Stability, Structures, analyse
 from .loop import Mobility, linear_contact, of_modes, of_track, remembered, rigid
@@ -98,7 +102,7 @@ def _wheel_modes(path: Path) -> Modes:
 
 
 def find_rail(text: str) -> Rail:
-    """Return the rail of 'analytic', 'modal', 'rigid' or an FMU."""
+    """Return the rail of 'analytic', 'modal', 'rigid', a track by name or file, or an FMU."""
     modal = read_modal_data(RAIL_DATA / "rail.toml").modes
     if text == "analytic":
         return Rail(remembered(of_track(read_track(TRACKS / "default.toml"))), modal)
@@ -106,8 +110,13 @@ def find_rail(text: str) -> Rail:
         return Rail(remembered(of_modes(modal)), modal)
     if text == "rigid":
         return Rail(rigid, NONE)
+    track = track_file(text)
+    if track is not None:
+        fitted = {name: v.start for name, v in open_fmu(rail_named(text)).variables.items()}
+        return Rail(remembered(of_track(read_track(track))), modes_of(fitted))
     if Path(text).suffix != ".fmu":
-        raise InputError(f"rail {text}: must be analytic, modal or an .fmu file")
+        names = ", ".join(track_names())
+        raise InputError(f"rail {text}: must be analytic, modal, one of {names}, a track file or an .fmu file")
     return Rail(remembered(measure(open_fmu(Path(text)), {}, DEFAULT_STEP).mobility), None)
 
 
@@ -129,11 +138,17 @@ def case_inputs(case: Case, wheel: Wheel, rail: Rail) -> tuple[Structures, Linea
     """Return structures and contact of a case; its rigid rail stays rigid whatever rail is asked for."""
     if case.rail == RIGID_RAIL:
         rail = Rail(rigid, NONE)
-    contact = linear_contact({**case.contact, **wheel.contact})
-    return Structures(wheel.mobility, rail.mobility, wheel.modes, rail.modes, wheel.resonances), contact
+    return structures_of(wheel, rail), linear_contact({**case.contact, **wheel.contact})
 
 
-def system_inputs(text: str, wheel: str | None, rail: str | None) -> tuple[Structures, LinearContact]:
+def structures_of(wheel: Wheel, rail: Rail) -> Structures:
+    """Return a wheel and a rail as the analysis wants them."""
+    return Structures(wheel.mobility, rail.mobility, wheel.modes, rail.modes, wheel.resonances)
+
+
+def system_inputs(
+    text: str, wheel: str | None = None, rail: str | None = None, changed: Changed | None = None
+) -> tuple[Structures, LinearContact]:
     """Return structures and contact of a system file, measured on its FMUs unless others are asked for.
 
     Raises
@@ -141,7 +156,7 @@ def system_inputs(text: str, wheel: str | None, rail: str | None) -> tuple[Struc
     InputError
         If the system has not the components wheel, rail and contact.
     """
-    system = find_system(text)
+    system = find_system(text) if changed is None else changed.system
     missing = [name for name in ("wheel", "rail", "contact") if name not in system.elements]
     if missing:
         raise InputError(f"{text}: has no component {missing[0]!r}, so it is not a wheel on a rail")
@@ -157,9 +172,65 @@ def system_inputs(text: str, wheel: str | None, rail: str | None) -> tuple[Struc
     else:
         the_rail = find_rail(rail)
     contact = linear_contact({**the_wheel.contact, **_contact_values(system)})
-    return Structures(
-        the_wheel.mobility, the_rail.mobility, the_wheel.modes, the_rail.modes, the_wheel.resonances
-    ), contact
+    return structures_of(the_wheel, the_rail), contact
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A system with other values and FMUs.
+
+    Attributes
+    ----------
+    system : with the changes
+    values : that were set, by component and name
+    replaced : names of the components that are other FMUs
+    """
+
+    system: System
+    values: Mapping[str, Mapping[str, Value]]
+    replaced: frozenset[str]
+
+    @classmethod
+    def of(cls, text: str, values: Mapping[str, Mapping[str, Value]], sources: Mapping[str, Path]) -> Changed:
+        """Return a case or a system file with parameter values and FMU files by component."""
+        system = find_system(text).with_sources(dict(sources))
+        given = spread(values, open_fmus(system))
+        return cls(system.with_parameters(given), given, frozenset(sources))
+
+    def touches(self, name: str) -> bool:
+        """Return whether a component is not as the system has it."""
+        return name in self.values or name in self.replaced
+
+    def modes(self, name: str) -> Modes | None:
+        """Return the modes that a structure shows, with their labels; None if it shows none."""
+        element = self.system.elements[name]
+        fmu = open_fmu(element.source)
+        starts = {name: v.start for name, v in fmu.variables.items() if v.causality == "parameter"}
+        modes = modes_of({**starts, **_values(element)})
+        return None if modes is None else replace(modes, labels=tuple(labels_of(fmu)))
+
+    def wheel(self) -> Wheel:
+        """Return the wheel, at its word where it shows its modes, else measured."""
+        modes = self.modes("wheel")
+        if modes is not None:
+            return Wheel(remembered(of_modes(modes)), modes, None, {})
+        element = self.system.elements["wheel"]
+        response = measure(open_fmu(element.source), _values(element), DEFAULT_STEP)
+        return Wheel(remembered(response.mobility), None, response.resonances(), {})
+
+    def rail(self) -> Rail:
+        """Return the rail, at its word where it shows its modes, else measured."""
+        modes = self.modes("rail")
+        if modes is not None:
+            return Rail(remembered(of_modes(modes)), modes)
+        element = self.system.elements["rail"]
+        return Rail(remembered(measure(open_fmu(element.source), _values(element), DEFAULT_STEP).mobility), None)
+
+    def contact(self) -> dict[str, float]:
+        """Return the parameters of the contact that are not those of the case."""
+        own = _contact_values(self.system)
+        given = own if "contact" in self.replaced else self.values.get("contact", {})
+        return {name: own[name] for name in own if name in given}
 
 
 def _values(element: Element) -> dict[str, float]:
@@ -174,17 +245,27 @@ def _contact_values(system: System) -> dict[str, float]:
     return {k: v for k, v in _values(system.elements["contact"]).items() if k in known}
 
 
-def find_stability(case: str, rail: str | None = None, wheel: str | None = None) -> Stability:
-    """Return the stability of a case or a system file.
+def find_stability(
+    case: str, rail: str | None = None, wheel: str | None = None, changed: Changed | None = None
+) -> Stability:
+    """Return the stability of a case or a system file; `rail` and `wheel` by name, else as they are or are changed.
 
     Raises
     ------
     InputError
-        For names and files that mean nothing, or a rail FMU for a case whose rail is rigid.
+        For names and files that mean nothing, or another rail for a case whose rail is rigid.
     """
     known = find_case(case)
     if known is None:
-        return analyse(*system_inputs(case, wheel, rail))
-    if known.rail == RIGID_RAIL and rail not in {None, "analytic", "modal"}:
-        raise InputError(f"rail {rail}: {case} has a rigid rail; take {known.family}1 or {known.family}3")
-    return analyse(*case_inputs(known, find_wheel(wheel or WHEELS[known.wheel]), find_rail(rail or "analytic")))
+        return analyse(*system_inputs(case, wheel, rail, changed))
+    other = rail not in {None, "analytic", "modal"} or (changed is not None and "rail" in changed.replaced)
+    if known.rail == RIGID_RAIL and other:
+        raise InputError(f"rail {rail or 'replaced'}: {case} has a rigid rail; take {known.family}1 or {known.family}3")
+    if changed is None:
+        return analyse(*case_inputs(known, find_wheel(wheel or WHEELS[known.wheel]), find_rail(rail or "analytic")))
+    by_name = wheel is not None or not changed.touches("wheel")
+    the_wheel = find_wheel(wheel or WHEELS[known.wheel]) if by_name else changed.wheel()
+    by_name = rail is not None or not changed.touches("rail")
+    the_rail = find_rail("rigid" if known.rail == RIGID_RAIL else rail or "analytic") if by_name else changed.rail()
+    contact = linear_contact({**known.contact, **the_wheel.contact, **changed.contact()})
+    return analyse(structures_of(the_wheel, the_rail), contact)

@@ -18,7 +18,7 @@ from fmus.contact.linearised import STEP, LinearContact
 from fmus.contact.parameters import PARAMETERS
 from fmus.errors import DataError
 from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES, connections
-from fmus.modal.modes import Modes
+from fmus.modal.modes import Modes, mobility
 from fmus.modal.parameters import modes_of
 
 from ..coupling.assembly import Assembly
@@ -68,6 +68,16 @@ class LinearModel:
     def loop_gains(self, below_hz: float) -> dict[float, float]:
         """Return the loop gains of the instabilities by frequency [Hz], below a frequency."""
         return {c.frequency_hz: c.gain for c in self.open_loop(below_hz)[1]}
+
+    def normal_ratio(self, frequency_hz: float) -> float:
+        """Return the velocity of the rail over that of the wheel along the contact normal, |Y33r|/|Y33r + j omega/K|.
+
+        Both feel the same normal force, and their approach is that force over the contact stiffness; what the creep
+        forces add through the rail's cross mobility is left out.
+        """
+        omega = np.array([2 * np.pi * frequency_hz])
+        rail = self.contact.turn @ mobility(omega, self.modal()[1])[0] @ self.contact.turn.T
+        return float(abs(rail[2, 2]) / abs(rail[2, 2] + 1j * omega[0] / self.contact.stiffness))
 
     def modal(self) -> tuple[Modes, Modes]:
         """Return the modes of wheel and rail.

@@ -7,8 +7,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fmus.modal.layout import DAMPING_RATIO
+from fmus.modal.parameters import names_of
+
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value
+from .friction import with_friction
 
 _SETTABLE = ("parameter", "structuralParameter", "input")
 
@@ -46,13 +50,14 @@ def settable(fmus: Mapping[str, Fmu]) -> Iterator[Settable]:
 def spread(values: Mapping[str, Mapping[str, Value]], fmus: Mapping[str, Fmu]) -> dict[str, dict[str, Value]]:
     """Return values with each name that has `*` or `?` in it replaced by all that it stands for.
 
-    A value for a name as it is wins over one for many.
+    A value for a name as it is wins over one for many; `friction` of a contact may be a law's name or its file.
 
     Raises
     ------
     InputError
         If a name stands for nothing that can be set.
     """
+    values = with_friction(values, fmus)
     many = [(f"{c}.{n}", value) for c, more in values.items() for n, value in more.items() if _is_pattern(f"{c}{n}")]
     result: dict[str, dict[str, Value]] = {}
     names = [(c, v.name) for c, fmu in fmus.items() for v in fmu.variables.values() if v.causality in _SETTABLE]
@@ -68,6 +73,16 @@ def spread(values: Mapping[str, Mapping[str, Value]], fmus: Mapping[str, Fmu]) -
             if not _is_pattern(f"{component}{name}"):
                 result.setdefault(component, {})[name] = value
     return result
+
+
+def labels_of(fmu: Fmu) -> list[str]:
+    """Return the labels of an FMU's modes, which stand in the descriptions of its damping ratios."""
+    names = names_of(DAMPING_RATIO, fmu.variables)
+    texts = [str(fmu.variables[name].description or "") for name in names.values()]
+    array = {text.partition("one value per mode: ")[2] for text in texts}
+    if len(array) == 1 and (labels := array.pop()):
+        return labels.split("; ")
+    return [text.partition(" of mode ")[2].partition(", ")[2] for text in texts]
 
 
 def _is_pattern(text: str) -> bool:

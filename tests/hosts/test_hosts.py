@@ -9,9 +9,11 @@ from __future__ import annotations
 import csv
 import importlib.util
 import json
+import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import fmpy
@@ -77,16 +79,35 @@ def package(name: str) -> Path:
     return Path(spec.origin).parent
 
 
-def test_the_program_ecos_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
-    """A program in C++ with no Python in it; it writes six decimals."""
+def package_of(native: Path, folder: Path, bare: bool) -> Path:
+    """Return the SSP, or one as made by hand: components and wires, nothing set."""
+    if not bare:
+        return native / "curvesqueal.ssp"
+    target = folder / "bare.ssp"
+    with zipfile.ZipFile(native / "curvesqueal.ssp") as source, zipfile.ZipFile(target, "w") as archive:
+        for name in ("resources/wheel.fmu", "resources/rail.fmu", "resources/contact.fmu"):
+            archive.writestr(name, (native / Path(name).name).read_bytes())
+        text = source.read("SystemStructure.ssd").decode()
+        bindings = r"<ssd:ParameterBindings>.*?</ssd:ParameterBindings>"
+        archive.writestr("SystemStructure.ssd", re.sub(bindings, "", text, flags=re.DOTALL))
+    return target
+
+
+BARE = pytest.mark.parametrize("bare", [False, True], ids=["ssp", "wired by hand"])
+
+
+@BARE
+def test_the_program_ecos_agrees(native: Path, expected: np.ndarray, tmp_path: Path, bare: bool) -> None:
+    """A program in C++ with no Python in it; it writes six decimals. Start values are those of Case 1."""
     for file in (package("ecospy") / "binaries").iterdir():
         shutil.copy(file, tmp_path)
     program = tmp_path / "ecos"
     program.chmod(0o755)
     command = [
-        str(program), "simulate", "--path", str(native / "curvesqueal.ssp"), "--stopTime", repr((STEPS + 0.5) * H),
-        "--stepSize", repr(H), "--parameterSet", "initialValues", "--noParallel", "--logLevel", "err",
+        str(program), "simulate", "--path", str(package_of(native, tmp_path, bare)), "--stopTime",
+        repr((STEPS + 0.5) * H), "--stepSize", repr(H), "--noParallel", "--logLevel", "err",
     ]  # fmt: skip
+    command += [] if bare else ["--parameterSet", "initialValues"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
     if "libtbb" in done.stderr:
         pytest.skip("ecos needs the Debian package libtbb12")
@@ -98,10 +119,11 @@ def test_the_program_ecos_agrees(native: Path, expected: np.ndarray, tmp_path: P
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-5)
 
 
-def test_libcosim_agrees(native: Path, expected: np.ndarray, tmp_path: Path) -> None:
+@BARE
+def test_libcosim_agrees(native: Path, expected: np.ndarray, tmp_path: Path, bare: bool) -> None:
     package("libcosimpy")
     folder = tmp_path / "ssp"
-    shutil.unpack_archive(native / "curvesqueal.ssp", folder, "zip")
+    shutil.unpack_archive(package_of(native, tmp_path, bare), folder, "zip")
     description = fmpy.read_model_description(str(native / "contact.fmu"))
     reference = {v.name: v.valueReference for v in description.modelVariables}
     wanted = json.dumps([reference[name.removeprefix("contact.")] for name in WATCHED])

@@ -33,6 +33,22 @@ def test_no_folder_has_more_modules_than_a_screen_shows() -> None:
     assert sorted(sizes.values())[len(sizes) // 2] < 10
 
 
+LONG = {
+    "orchestrator/campaigns/plan.py": 330,
+    "orchestrator/coupling/loop.py": 340,
+    "orchestrator/coupling/master.py": 325,
+    "orchestrator/fmi/binding.py": 400,
+    "orchestrator/system/reader.py": 340,
+}
+"""Modules that are still above 300 lines, and what they must not grow beyond."""
+
+
+def test_no_file_is_longer_than_one_reads_at_once() -> None:
+    files = [*SOURCES, *(ROOT / "tests").rglob("*.py")]
+    lines = {p.relative_to(ROOT).as_posix(): p.read_text(encoding="utf-8").count("\n") for p in files}
+    assert {name: n for name, n in lines.items() if n > LONG.get(name, 300)} == {}
+
+
 def test_every_folder_says_what_it_is() -> None:
     for folder in FOLDERS:
         text = (folder / "__init__.py").read_text(encoding="utf-8")

@@ -49,7 +49,7 @@ def test_outcome_has_everything(tmp_path: Path) -> None:
     assert run.data.sizes["time"] == 251
     assert run.data["contact.normal_force"].attrs["units"] == "N"
     assert run.picture is None
-    assert run.progress.energy_residual.keys() == {"lon", "lat", "ver", "spin"}
+    assert run.progress.energy_residual.keys() == {"lon", "lat", "normal", "spin"}
     assert resume(tmp_path / "c").progress.steps == 500
 
 

@@ -161,3 +161,38 @@ def simulate(path: Path, steps: int = 12, variant: str | None = None, algorithm:
         master.run()
         outputs = zip(master.outputs, np.asarray(master.plan.y).tolist(), strict=True)
         return Run(assembly, {f"{element}.{name}": y for (element, name), y in outputs if name == "y"})
+
+
+PAIR = wire("m1.y", "m2.u")
+
+FROM_FILE = '<ssd:ParameterBinding source="resources/values.ssv"/>'
+
+ONE, TWO = inline({"b": 3.0}), inline({"k": 2.0, "b": 1.0})
+
+FLAT = system(component("m1", ONE) + component("m2", TWO), PAIR)
+
+
+def mapping(*entries: tuple[str, str, str]) -> str:
+    """Return a ParameterMapping element of sources, targets and transformations."""
+    rows = "".join(
+        f'<ssm:MappingEntry source="{s}" target="{t}">{change}</ssm:MappingEntry>' for s, t, change in entries
+    )
+    return f'<ssm:ParameterMapping {NAMESPACES} version="1.0">{rows}</ssm:ParameterMapping>'
+
+
+INNER = system(
+    component("m2", TWO),
+    wire("u", "m2.u") + wire("m2.y", "y"),
+    connector("u", "input") + connector("y", "output"),
+    name="inner",
+)
+
+UNITS = (
+    '<ssd:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit>'
+    '<ssc:Unit name="ell"><ssc:BaseUnit m="1" factor="0.5"/></ssc:Unit></ssd:Units>'
+)
+
+
+def outputs(tmp_path: Path, fmu: Path, ssd: str, files: Mapping[str, str | bytes] | None = None) -> dict[str, float]:
+    """Write a system and return what it puts out in the end."""
+    return simulate(archive(tmp_path / "b.ssp", fmu, ssd, files)).outputs

@@ -16,9 +16,12 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import fmpy
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 COMPILER = shutil.which("cc")
+
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the FMI 3.0 test FMUs")
 
 FAULTS = ("none", "discard", "error", "fatal", "nan", "end", "crash", "hang")
 """What `fault` can be, by number."""

@@ -42,6 +42,7 @@ def foreign_fmu(
     before: str = "",
     depends: str | None = None,
     more: dict[str, str] | None = None,
+    ends: bool = False,
 ) -> Path:
     """Compile a slave whose calls do these statements into an FMU.
 
@@ -51,6 +52,7 @@ def foreign_fmu(
     before : elements before ModelVariables
     depends : dependencies of every output; None: not told
     more : further files
+    ends : whether a discarded step is the end of the simulation (fmi2Terminated)
     """
     name = re.sub(r"\W", "_", path.stem)
     told = "" if depends is None else f' dependencies="{depends}"'
@@ -69,6 +71,7 @@ def foreign_fmu(
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(path, "w") as archive:
         library = Path(folder) / f"{name}.so"
         macros = [f"-DSTEP={step}", f"-DINIT={init}", f"-DCREATE={create}"]
+        macros += ["-DTERMINATED=1"] if ends else []
         command = [str(COMPILER), "-shared", "-fPIC", "-O1", "-w", "-I", str(headers), *macros]
         subprocess.run([*command, str(HERE / "foreign_slave.c"), "-o", str(library)], check=True, capture_output=True)
         archive.writestr("modelDescription.xml", xml)

@@ -48,7 +48,7 @@ class $name(Fmi2Slave):
 
     def do_step(self, _time, h):
         for axis, (m, c, k) in AXES.items():
-            force = $sign * $newton * getattr(self, "$f" + axis)
+            force = $sign * $newton * getattr(self, "$f" + axis) + $push
             v, u = self.state[axis]
             shown = v, u
             middle = (m * v + h / 2 * (force - k * u)) / (m + h / 2 * c + h**2 / 4 * k)
@@ -56,13 +56,13 @@ class $name(Fmi2Slave):
             if $late:
                 v, u = shown
             setattr(self, "$v" + axis, v / $metre)
-            setattr(self, "u_" + axis, u / $metre)
+            setattr(self, "u_" + axis, $way * u / $metre)
         return True
 """)
 
 DEFAULTS = {
     "f": "f_", "v": "v_", "sign": "1.0", "late": "False", "newton": "1.0", "metre": "1.0", "units": "{}",
-    "mass": "60.0", "damping": "6.0e4",
+    "mass": "60.0", "damping": "6.0e4", "push": "0.0", "way": "1.0",
 }  # fmt: skip
 """A rail of 60 and 150 kg that moves in lat and ver only, integrated by the midpoint rule, SI."""
 

@@ -96,4 +96,26 @@ def clocks(folder: Path) -> Path:
     return Table("Clocks", 3, (), (), xml=xml).write(folder)
 
 
-__all__ = ["clocks", "library", "reference_fmu", "state_space"]
+def ticking(folder: Path) -> Path:
+    """Write a co-simulation FMU of FMI 3.0 with a clock and binary variables that others may be connected to."""
+    ends = "".join(
+        f'<Binary name="{name}" valueReference="{reference}" causality="{causality}" variability="discrete">{start}'
+        "</Binary>"
+        for name, reference, causality, start in (
+            ("sent", 20, "output", ""), ("received", 21, "input", '<Start value="00"/>'),
+        )
+    )  # fmt: skip
+    xml = (
+        '<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="3.0" modelName="Ticking" '
+        'instantiationToken="Early"><CoSimulation modelIdentifier="table" '
+        'canHandleVariableCommunicationStepSize="true"/><ModelVariables>'
+        '<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>'
+        '<Float64 name="y" valueReference="1" causality="output" variability="continuous"/>'
+        f'<Clock name="clock1" valueReference="2" causality="input" intervalVariability="triggered"/>{ends}'
+        '</ModelVariables><ModelStructure><Output valueReference="1" dependencies=""/>'
+        '<InitialUnknown valueReference="1"/></ModelStructure></fmiModelDescription>'
+    )
+    return Table("Ticking", 3, (), (), source=SOURCE, token="Early", xml=xml).write(folder)
+
+
+__all__ = ["clocks", "library", "reference_fmu", "state_space", "ticking"]

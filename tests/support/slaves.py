@@ -52,7 +52,8 @@ class Slave:
         self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
         for name, value in (parameters or {}).items():
-            self.slave.setReal([self.reference[name]], [value])
+            write = self.slave.setInteger if isinstance(value, int) else self.slave.setReal
+            write([self.reference[name]], [value])
         self.slave.exitInitializationMode()
         self.time = 0.0
 

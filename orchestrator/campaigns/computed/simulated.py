@@ -16,6 +16,9 @@ from fmus.wheel.wheelset import Wheelset
 from ...coupling.master import Master
 from ...errors import InputError
 from ...runs.attributes import all_parameters
+from ...runs.verdict import energy_share
+from ...signals.limit_cycle import SQUEAL_VELOCITY
+from ...signals.lines import is_irregular
 from ...signals.summary import sample_interval, summarise
 from ...sound.levels import sound_of
 from ...sound.wheelset import wheelset_of
@@ -25,10 +28,6 @@ from ..rows import Number, Quantity
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
-QUIET = 0.01
-"""Lateral rms of the wheel, relative to the sliding velocity, below which a run does not squeal. A limit cycle reaches
-the sliding velocity; what a stable system has left of its start is far below."""
-
 RESOLUTION_HZ = 2.0
 COARSEST_HZ = 7.5
 """Distance of the lines of a spectrum, and the largest one from which bands can be made where a run is short [Hz]."""
@@ -36,6 +35,7 @@ COARSEST_HZ = 7.5
 QUANTITIES = (
     Quantity("squeals", "1", "1 if the wheel vibrates laterally at the end of the run, 0 if not"),
     Quantity("tone", "Hz", "dominant frequency of the wheel's lateral velocity, second half", lacks=True),
+    Quantity("irregular", "1", "1 if that is no tone, for the motion has no line spectrum, 0 if it is", lacks=True),
     Quantity("mode", "", "wheel mode with the largest velocity in the second half"),
     Quantity("level", "dB", "A-weighted sound pressure level, second half", lacks=True),
     Quantity("level_low", "dB", "lower end of the band of the level", lacks=True),
@@ -81,19 +81,21 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
     with Master(assembly, settings) as master:
         progress = master.run(kept)
         data = _dataset(master, kept)
-        sliding = _sliding_velocity(master)
         wheelset = _wheelset(prepared, master, data)
     summary = summarise(data)
     lateral = summary.wheel_velocity_rms.get("lat", np.nan)
-    into = sum(abs(v) for v in progress.energy_into_structures.values())
+    share = energy_share(progress)
+    loud = lateral > SQUEAL_VELOCITY
+    irregular = is_irregular(data["wheel.v_lat"].to_numpy(), sample_interval(data)) if loud else None
     return {
-        "squeals": float(lateral > QUIET * sliding),
+        "squeals": float(loud),
         "tone": _number(summary.dominant_frequency_hz),
+        "irregular": _number(irregular),
         **_heard(data, wheelset),
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),
         "growth_seen": _number(summary.growth_rate),
-        "energy_residual": sum(progress.energy_residual.values()) / into if into else np.nan,
+        "energy_residual": np.nan if share is None else share,
     }
 
 
@@ -113,19 +115,6 @@ def _dataset(master: Master, kept: _Kept) -> xr.Dataset:
     }
     about = {"step_s": master.settings.step, "record_every": master.settings.record_every}
     return xr.Dataset(signals, {"time": np.concatenate(kept.times)}, about)
-
-
-def _sliding_velocity(master: Master) -> float:
-    """Return the steady lateral sliding velocity at the contact, 0 if the system does not tell it [m/s]."""
-    contact = master.assembly.contact
-    if contact is None:
-        return 0.0
-    fmu, given = master.assembly.fmus[contact], master.parameters[contact]
-    names = ("rolling_velocity", "steady_creepage_lat")
-    if not all(name in fmu.variables for name in names):
-        return 0.0
-    velocity, creepage = (float(given.get(name, fmu.variables[name].start)) for name in names)
-    return abs(velocity * creepage)
 
 
 def _wheelset(prepared: Prepared, master: Master, data: xr.Dataset) -> Wheelset | None:

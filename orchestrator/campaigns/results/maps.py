@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from ...errors import InputError
-from ...signals.tones import Tone, tones
+from ...signals.tones import Tone, tones_of_runs
 from ..rows import DONE
 
 if TYPE_CHECKING:  # xarray takes a second to import
@@ -184,4 +184,6 @@ def ended_tones(data: xr.Dataset) -> list[Tone]:
     done = data["status"].to_numpy() == DONE
     if not done.any():
         raise InputError("the store holds no finished run yet")
-    return tones(None if np.isnan(f) else float(f) for f in data["tone"].to_numpy()[done])
+    found = data["tone"].to_numpy()
+    irregular = data["irregular"].to_numpy() if "irregular" in data else np.zeros(len(found))
+    return tones_of_runs(found[done], irregular[done])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,18 +9,18 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Values, parse_sources, parse_values, screen
+from ...plain_json import dumps
+from ...runs.changes import Changes
+from ..options import System, changes_system
+from ..tools import Json, screen
 
 
+@changes_system
 def coupling(
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+    system: System,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
-    values: Values = None,
-    replace: Replace = None,
+    *,
+    changes: Changes,
     json: Json = False,
 ) -> None:
     """Show what each master algorithm does to the growth rates, mode by mode, and the largest safe step.
@@ -33,14 +32,13 @@ def coupling(
     from ...stability.scheme import TOLERATED, as_json  # noqa: PLC0415 - keeps the start of the other commands short
     from ...stability.step_map import BELOW_HZ, WEAK  # noqa: PLC0415
 
-    scenario = Scenario(system, step=step, values=parse_values(values or []), sources=parse_sources(replace or []))
-    assembly, settings = scenario.prepare()
+    assembly, settings = changes.scenario(system, step=step).prepare()
     try:
         data = as_json(model_of_assembly(assembly, settings.step), settings.step)
     except InputError as reason:
         raise InputError(f"{system}: no growth rates can be given: {reason}") from None
     if json:
-        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        typer.echo(dumps(data))
         return
     screen.print(_modes(data, f"{Path(system).name}: growth rates [1/s] below {BELOW_HZ:g} Hz at {settings.step:g} s"))
     screen.print(_summary(data))

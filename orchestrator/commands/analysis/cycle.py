@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace as with_fields
@@ -14,17 +13,20 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from ...errors import InputError
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Values, messages, notice, parse_sources, parse_values, require_suffix, screen
+from ...plain_json import dumps
+from ...runs.changes import Changes
+from ..options import System, changes_system
+from ..tools import Json, messages, notice, require_suffix, screen
 
 if TYPE_CHECKING:
     from ...limit_cycles.catalogue import Catalogue, Cycle
 
 
-def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[str, typer.Argument(metavar="CASE|FILE", help="case1 to case4, an .ssp or an .ssd file.")],
-    values: Values = None,
-    replace: Replace = None,
+@changes_system
+def cycle(  # noqa: PLR0913 - one argument per option
+    system: System,
+    *,
+    changes: Changes,
     tone: Annotated[float | None, typer.Option(help="Only the tone near this frequency [Hz].")] = None,
     no_stability: Annotated[bool, typer.Option("--no-stability", help="Do not ask whether the tones last.")] = False,
     down_to: Annotated[
@@ -46,8 +48,7 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
 
     if out is not None:
         require_suffix(out, (".png", ".pdf", ".svg"))
-    scenario = Scenario(system, values=parse_values(values or []), sources=parse_sources(replace or []))
-    assembly, settings = scenario.prepare()
+    assembly, settings = changes.scenario(system).prepare()
     name = Path(system).name
     try:
         with progress_bar() as report:
@@ -63,7 +64,7 @@ def cycle(  # noqa: PLR0913, PLR0917 - one argument per option
     if out is not None:
         draw(found, name, tone, out)
     if json:
-        typer.echo(json_format.dumps(as_json(name, found), indent=1, allow_nan=False))
+        typer.echo(dumps(as_json(name, found)))
         return
     show(found, f"{name}: tones")
 
@@ -93,7 +94,7 @@ def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool]
         draw_branches(branches, name).savefig(out, dpi=200)
     if json:
         data = {"case": name, "branches": [branch_as_json(b) for b in branches]}
-        typer.echo(json_format.dumps(data, indent=1, allow_nan=False))
+        typer.echo(dumps(data))
         return
     for c, branch in zip(found.cycles, branches, strict=True):
         screen.print(f"{c.frequency_hz:.2f} Hz against {parameter_name}: {branch.words}", highlight=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +9,7 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
+from ...plain_json import dumps
 from ..tools import Json, screen
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
     else:
         found = _map(data, str(x), str(y), colour, out or store.with_suffix(f".{colour}.png"))
     if json:
-        typer.echo(json_format.dumps(found, indent=1, allow_nan=False))
+        typer.echo(dumps(found))
     else:
         screen.print(_table(found))
         screen.print(found["picture"], highlight=False, soft_wrap=True)
@@ -107,7 +106,11 @@ def _tones(data: xr.Dataset, path: Path) -> dict[str, Any]:
 
     found = ended_tones(data)
     draw_competition(str(data.attrs["title"]), {"runs": found}, _picture(path))
-    return {"confidence": 0.95, "tones": [{**asdict(t), "share": t.share} for t in found], "picture": str(path)}
+    return {
+        "confidence": 0.95,
+        "tones": [t.as_data() for t in found],
+        "picture": str(path),
+    }
 
 
 def _table(found: dict[str, Any]) -> Table:
@@ -123,8 +126,9 @@ def _table(found: dict[str, Any]) -> Table:
     if "tones" in found:
         table = Table("tone", "runs", "share", "95 % confidence", title="tones", title_justify="left")
         for t in found["tones"]:
-            name = "at rest" if t["frequency_hz"] is None else f"{t['frequency_hz']:.1f} Hz"
-            table.add_row(name, f"{t['count']} of {t['of']}", f"{t['share']:.0%}", f"{t['low']:.0%} to {t['high']:.0%}")
+            table.add_row(
+                t["words"], f"{t['count']} of {t['of']}", f"{t['share']:.0%}", f"{t['low']:.0%} to {t['high']:.0%}"
+            )
         return table
     values = [v for row in found["value"] for v in row if v is not None]
     table = Table(title=f"{found['colour']} [{found['unit']}]", title_justify="left")

@@ -3,34 +3,33 @@
 from __future__ import annotations
 
 import json as json_format
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Table
 
+from ...runs.changes import Changes
 from ...stability.analysis import REPORTED_BELOW_HZ, Stability
-from ...stability.cases import find_stability
+from ...stability.cases import Changed, find_stability
+from ..options import System, changes_system
 from ..tools import Json, screen
 
 RailOption = Annotated[
-    str | None, typer.Option(help="analytic (default for a case), modal, or an .fmu file; a rigid rail stays rigid.")
-]
-WheelOption = Annotated[
     str | None,
     typer.Option(
-        help="class158 and inferred (defaults of the cases), generic840, straight840, a .toml or an .fmu file."
+        help="analytic (default for a case), modal, a track such as soft-pads or its file, or an FMU; a rigid rail "
+        "stays rigid."
     ),
 ]
 
 
+@partial(changes_system, rail=RailOption)
 def stability(
-    case: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
-    rail: RailOption = None,
-    wheel: WheelOption = None,
+    case: System,
+    *,
+    changes: Changes,
     json: Json = False,
     out: Annotated[Path | None, typer.Option(help="Picture to write: Nyquist and Bode diagram of the loop.")] = None,
 ) -> None:
@@ -39,7 +38,7 @@ def stability(
     Eigenloci of the self-excited vibration loop: crossings beyond +1 with loop gain and the wheel modes involved;
     poles of the closed loop where wheel and rail are modal.
     """
-    result = find_stability(case, rail, wheel)
+    result = stability_of(case, changes)
     if out is not None:
         from ...figures.stability import draw_stability  # noqa: PLC0415 - pictures are not always wanted
 
@@ -57,6 +56,15 @@ def stability(
     for i in result.instabilities:
         table.add_row(f"{i.crossing.frequency_hz:.1f}", f"{i.crossing.gain:.3f}", " ".join(i.modes) or "-")
     screen.print(table)
+
+
+def stability_of(case: str, changes: Changes) -> Stability:
+    """Return the stability of a changed case or system; structures by name while no value of theirs changes."""
+    if not (changes.values or changes.sources or changes.damp):
+        return find_stability(case, changes.rail, changes.wheel)
+    if changes.only_contact:
+        return find_stability(case, changes.rail, changes.wheel, Changed.of(case, changes.values, changes.sources))
+    return find_stability(case, None, None, Changed.of(case, *changes.resolved(case)))
 
 
 def as_json(result: Stability) -> dict[str, Any]:

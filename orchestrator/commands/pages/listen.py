@@ -3,37 +3,55 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
-from ..tools import Force, Json, require_free, require_suffix, screen
+from ...errors import InputError, SimulationError
+from ...runs.changes import Changes
+from ..options import changes_system
+from ..progress import run_bar
+from ..tools import Force, Json, notice, require_free, require_suffix, screen
 
 if TYPE_CHECKING:  # xarray takes a second to import
     from ...sound.levels import Sound
 
-Wheel = Annotated[
-    str | None, typer.Option(help="Wheelset whose radiating areas to take; default: the one of the results.")
+WheelOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Wheel of the run that is made first, as of `run`; for results: whose radiating areas to take, by default "
+        "those of their own wheel."
+    ),
 ]
 Distance = Annotated[float, typer.Option(help="From the wheel to the receiver [m].")]
 
 
-def listen(
-    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Results file of a run (.nc).")],
+@partial(changes_system, wheel=WheelOption)
+def listen(  # noqa: PLR0913 - one argument per option
+    source: Annotated[
+        str, typer.Argument(metavar="RESULTS|CASE|FILE", help="Results of a run (.nc), or what is run first.")
+    ],
+    *,
+    changes: Changes,
     out: Annotated[Path | None, typer.Option(help="WAV file to write; default: beside the results.")] = None,
-    wheel: Wheel = None,
+    duration: Annotated[float | None, typer.Option(help="Simulated time of the run that is to be made [s].")] = None,
     distance: Distance = 7.5,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it."""
+    """Make the sound of a run: a WAV file of the pressure at the receiver, with its calibration beside it.
+
+    Of results that are there, or of a case or system that is run first with the same options as `run`.
+    """
     from ...results.file import open_results  # noqa: PLC0415
     from ...sound.levels import RailSound, sound_of  # noqa: PLC0415 - loads scipy and xarray
     from ...sound.radiation import Radiation  # noqa: PLC0415
     from ...sound.wav import pressure_of, write_wav  # noqa: PLC0415
 
+    results, wheel = _results(source, changes, duration, None if out is None else out.parent)
     path = results.with_suffix(".wav") if out is None else out
     require_suffix(path, (".wav",))
     require_free(path, force)
@@ -62,6 +80,22 @@ def listen(
     )
     for line in further(sound):
         screen.print(line, highlight=False, soft_wrap=True)
+
+
+def _results(source: str, changes: Changes, duration: float | None, folder: Path | None) -> tuple[Path, str | None]:
+    """Return a results file, and the wheelset to take for it; runs the system if it is not a results file."""
+    if Path(source).suffix == ".nc":
+        if changes != Changes(wheel=changes.wheel) or duration is not None:
+            raise InputError(f"{source}: is the result of a run; only a case or a system can be changed")
+        return Path(source), changes.wheel
+    from ...runs.run import Report, run_scenario  # noqa: PLC0415 - loads the master
+
+    with run_bar() as progress:
+        report = Report(progress, notice, picture=False)
+        outcome = run_scenario(changes.scenario(source, duration=duration), folder or Path("results"), report)
+    if outcome.error is not None:
+        raise SimulationError(f"{outcome.error}; results up to then are in {outcome.results}")
+    return outcome.results, None
 
 
 def further(sound: Sound) -> list[str]:

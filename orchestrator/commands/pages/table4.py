@@ -9,7 +9,8 @@ import typer
 from rich.table import Table
 
 from ...paper.table4 import Cell, find_table4
-from ..analysis.stability import RailOption, WheelOption
+from ..analysis.stability import RailOption
+from ..options import WheelOption
 from ..tools import Json, screen
 
 CasesOption = Annotated[

@@ -9,21 +9,20 @@ import typer
 
 from ...coupling.algorithms import ALGORITHMS
 from ...errors import InputError
-from ...runs.scenario import Scenario
-from ..tools import Force, Json, Replace, Seed, Values, messages, parse_sources, parse_values, screen, user_mistakes
+from ...runs.changes import Changes
+from ..options import System, changes_system
+from ..tools import Force, Json, Seed, messages, screen, user_mistakes
 
 
-def export(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+@changes_system
+def export(  # noqa: PLR0913 - one argument per option
+    system: System,
     out: Annotated[Path, typer.Argument(metavar="OUT.ssp", help="File to write.")],
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system says.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Values = None,
-    replace: Replace = None,
+    *,
+    changes: Changes,
     seed: Seed = None,
     force: Force = False,
     json: Json = False,
@@ -38,9 +37,7 @@ def export(  # noqa: PLR0913, PLR0917 - one argument per option
         raise InputError(f"{out}: must end with .ssp")
     if out.exists() and not force:
         raise InputError(f"{out}: is there already; give another name, or --force to overwrite it")
-    scenario = Scenario(
-        system, duration, step, algorithm, parse_values(values or []), parse_sources(replace or []), seed
-    )
+    scenario = changes.scenario(system, duration=duration, step=step, algorithm=algorithm, seed=seed)
     assembly, settings = scenario.prepare()
     with user_mistakes():
         export_system(assembly, settings, out)

@@ -2,50 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
 
-from ...coupling import master
 from ...coupling.algorithms import ALGORITHMS
 from ...coupling.recording import patterns
+from ...coupling.settings import Progress
 from ...errors import SimulationError
 from ...runs import run as running
-from ...runs import treatments
+from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
-from ...runs.scenario import Scenario
-from ..tools import Json, Replace, Seed, Values, messages, notice, parse_sources, parse_values, say, screen
+from ...runs.verdict import energy_share
+from ...signals.axes import NORMAL, PLANE
+from ..options import System, changes_system
+from ..progress import run_bar
+from ..tools import Json, Seed, notice, say, screen
 
 Csv = Annotated[bool, typer.Option("--csv", help="Write the results as CSV, too.")]
 
 CheckpointEvery = Annotated[float, typer.Option(min=0.0, help="Wall time between checkpoints [s].")]
 
 
-def run(  # noqa: PLR0913, PLR0917 - one argument per option
-    system: Annotated[
-        str,
-        typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
-    ],
+@changes_system
+def run(  # noqa: PLR0913 - one argument per option
+    system: System,
     duration: Annotated[float | None, typer.Option(help="Simulated time [s]; default as the system says: 6.")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; default as the system: 5e-6.")] = None,
     algorithm: Annotated[str | None, typer.Option(help=f"Master algorithm: {', '.join(ALGORITHMS)}.")] = None,
-    values: Values = None,
-    replace: Replace = None,
-    damp: Annotated[
-        list[str] | None,
-        typer.Option(help="Damping by label: '(3,0)=1e-3', '(*,0)=+1e-4', 'wheel=x2', 'rail:lat 1=0.2'. Repeatable."),
-    ] = None,
-    rail: Annotated[
-        str | None, typer.Option(help="Rail: a track such as soft-pads, fitted once and kept, a track file or an FMU.")
-    ] = None,
+    *,
+    changes: Changes,
     seed: Seed = None,
     start_cycle: Annotated[
         float | None,
@@ -71,18 +63,11 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
     """
-    sources, given = parse_sources(replace or []), parse_values(values or [])
-    if rail is not None:
-        sources["rail"] = treatments.rail_named(rail)
-    if damp:
-        given = treatments.damping_values(system, sources, given, damp)
-    scenario = Scenario(
-        system=system,
+    scenario = changes.scenario(
+        system,
         duration=duration,
         step=step,
         algorithm=algorithm,
-        values=given,
-        sources=sources,
         seed=seed,
         record_every=record_every,
         record=patterns(record),
@@ -94,7 +79,7 @@ def run(  # noqa: PLR0913, PLR0917 - one argument per option
 
         scenario = on_cycle(scenario, start_cycle)
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.run_scenario(
             scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
         )
@@ -108,7 +93,7 @@ def resume(
     json: Json = False,
 ) -> None:
     """Go on with a run from its checkpoint, to the bit as if it had never stopped; the results file grows."""
-    with _progress_bar() as progress:
+    with run_bar() as progress:
         outcome = running.resume(checkpoint, running.Report(progress, notice, csv), checkpoint_every)
     _tell(outcome, json)
 
@@ -128,25 +113,6 @@ def _tell(outcome: Outcome, json: bool) -> None:
         notice(outcome.progress.ended)
 
 
-@contextmanager
-def _progress_bar() -> Iterator[Callable[[master.Progress], None]]:
-    """Show a bar on the error stream, with simulated time and time to go."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[now]}"), TimeRemainingColumn())
-    with Progress(*columns, console=messages, transient=True, disable=not messages.is_terminal) as bar:
-        task = bar.add_task("loading", total=None, now="")
-
-        def report(progress: master.Progress) -> None:
-            bar.update(
-                task,
-                description="simulating",
-                total=progress.total,
-                completed=progress.steps,
-                now=f"{progress.steps / progress.total:.0%}",
-            )
-
-        yield report
-
-
 def _show(outcome: Outcome) -> None:
     """Print the table of a run."""
     s, p = outcome.summary, outcome.progress
@@ -155,22 +121,23 @@ def _show(outcome: Outcome) -> None:
         f"{outcome.case}: {time:g} s in {p.steps} steps of {outcome.settings.step:g} s ({outcome.settings.algorithm})"
     )
     table = Table(title=title, title_justify="left")
-    for heading in ("", *DIRECTIONS):
+    columns = (*DIRECTIONS, PLANE, NORMAL)
+    for heading in ("", *columns):
         table.add_column(heading, justify="right" if heading else "left")
     rows = (
-        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms),
-        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms),
+        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms | s.wheel_contact_rms),
+        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms | s.rail_contact_rms),
         ("energy into wheel and rail [J]", p.energy_into_structures),
-        ("energy residual of the coupling [J]", p.energy_residual),
+        ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
     for label, numbers in rows:
-        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in DIRECTIONS))
+        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
         "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
         "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
-        "energy residual": _share(sum(p.energy_residual.values()), s.energy_dissipated),
+        "energy residual": _balance(p),
         "spurious growth": outcome.spurious.sentence,
         **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
@@ -182,7 +149,14 @@ def _show(outcome: Outcome) -> None:
         screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
 
 
-def _share(residual: float, dissipated: float | None) -> str:
-    """Return the energy that the coupling added, and against what the contact dissipated."""
-    against = f", {abs(residual / dissipated):.1e} of the {dissipated:.3g} J dissipated" if dissipated else ""
-    return f"{residual:.3g} J in all directions{against}"
+def _in_contact_axes(residual: Mapping[str, float]) -> Mapping[str, float]:
+    """Return an account by contact direction under the names of the table's columns; one in track axes as it is."""
+    return {PLANE if d == "lat" and NORMAL in residual else d: energy for d, energy in residual.items()}
+
+
+def _balance(progress: Progress) -> str:
+    """Return the energy that the coupling added, and against what wheel and rail took."""
+    took = " and ".join(f"the {name} {energy:.3g} J" for name, energy in progress.energy_into.items())
+    share = energy_share(progress)
+    added = f"{sum(progress.energy_residual.values()):.2g} J in all"
+    return added if share is None else f"{added}, {share:.1e} of what went into the structures ({took})"

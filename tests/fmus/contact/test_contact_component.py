@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fmus.component import Instance
 from fmus.contact.component import contact
+from fmus.contact.layout import S
 from fmus.contact.parameters import PARAMETERS, P
 
 H = 5e-6
@@ -133,7 +134,7 @@ def test_implicit_forces_agree_with_the_velocities_they_cause(
         change = instance.outputs[[0, 1, 3]] - before
         y = np.array([Y["mobility_lon_lon"], Y["mobility_lat_lat"], Y["mobility_spin_spin"]])
         v = instance.inputs[[0, 1, 3]]
-        ahead = v + 0.5 * (v - seen[8:11] - y * seen[4:7])
+        ahead = v + 0.5 * (v - seen[S.v_lon : S.v_lon + 3] - y * seen[S.d_lon : S.d_lon + 3])
         again = creep_forces(explicit, ahead + y * change, depth)
         scale = 18e3 * np.array([1, 1, 0.007])
         assert abs((again - instance.outputs[[0, 1, 3]]) / scale).max() < 1e-3
@@ -142,7 +143,7 @@ def test_implicit_forces_agree_with_the_velocities_they_cause(
 def creep_forces(explicit: Instance, velocity: np.ndarray, depth: float) -> np.ndarray:
     """Return the creep-force fluctuations at given relative velocities, without any implicit part."""
     explicit.initialise()
-    explicit.state[8:11] = velocity  # nothing to extrapolate
+    explicit.state[S.v_lon : S.v_lon + 3] = velocity  # nothing to extrapolate
     explicit.inputs[[0, 1, 3]] = velocity
     explicit.inputs[9] = -depth
     explicit.do_step(H)

@@ -20,6 +20,7 @@ from orchestrator.campaigns.sampling import points
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError
+from orchestrator.runs.scenario import Scenario
 from orchestrator.runs.starts import START_VELOCITY, mode_start
 from orchestrator.signals.tones import tones
 from orchestrator.system.reader import read_system
@@ -42,10 +43,10 @@ def test_confidence_interval_of_a_sure_thing(n: int) -> None:
 
 
 def test_plan_is_every_combination() -> None:
-    where = points(competition_plan("case1", Starts(3, 7, [1100.0, 1976.0], [1.1e9, 1.2e9])))
+    where = points(competition_plan(Scenario("case1"), Starts(3, 7, [1100.0, 1976.0], [1.1e9, 1.2e9])))
     assert len(where) == len({tuple(where[k].values()) for k in range(12)}) == 12
     assert set(where.columns["seed"].tolist()) == {7, 8, 9}
-    assert points(competition_plan("case1", Starts(1)))[0] == {"seed": 0}
+    assert points(competition_plan(Scenario("case1"), Starts(1)))[0] == {"seed": 0}
 
 
 @pytest.mark.parametrize(
@@ -78,7 +79,18 @@ def test_a_mode_that_is_not_there_is_refused(built: Path) -> None:
 @pytest.mark.slow
 def test_runs_are_kept_and_not_made_again(tmp_path: Path) -> None:
     """Two runs, then three: the third store takes the rows of the first by their identity."""
-    command = ("competition", "case1", "--duration", "0.005", "--jobs", "1", "--json", "--out", str(tmp_path))
+    command = (
+        "competition",
+        "case1",
+        "--duration",
+        "0.005",
+        "--jobs",
+        "1",
+        "--json",
+        "--no-cycles",
+        "--out",
+        str(tmp_path),
+    )
     done = curvesqueal(*command, "--runs", "2")
     assert done.returncode == 0, done.stderr
     first = xr.open_zarr(json.loads(done.stdout)["runs"]).load()

@@ -33,8 +33,10 @@ def test_run_prints_one_json_object(case1: tuple[Path, dict[str, object]]) -> No
     assert data["duration_s"] == pytest.approx(0.05)
     assert isinstance(data["wall_s"], float)
     assert isinstance(data["dominant_frequency_hz"], float)
-    for key in ("wheel_velocity_rms", "rail_velocity_rms", "energy_residual"):
+    for key in ("wheel_velocity_rms", "rail_velocity_rms", "energy_into_structures"):
         assert set(data[key]) == set(DIRECTIONS)  # type: ignore[call-overload]
+    assert set(data["energy_residual"]) == {"lon", "lat", "normal", "spin"}  # type: ignore[call-overload]
+    assert set(data["wheel_velocity_rms_contact"]) == {"plane", "normal"}  # type: ignore[call-overload]
     assert data["completed"] is True
     # steady sliding at 0.2 m/s under nearly mu N: 60 kN x 0.277 x 0.2 m/s over 0.05 s; the vibration adds little
     assert data["energy_dissipated"] == pytest.approx(60e3 * 0.3 * 0.9221199 * 0.2 * 0.05, rel=0.01)

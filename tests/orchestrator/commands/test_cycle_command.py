@@ -6,16 +6,18 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import curvesqueal
+from typer.testing import CliRunner
 
 from orchestrator import InputError, cycles, load, plot_cycles
+from orchestrator.cli import app
 
 
 def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
     """The object of one tone, and its picture."""
     picture = tmp_path / "cycle.png"
-    done = curvesqueal("cycle", "case1", "--tone", "1100", "--json", "--out", str(picture))
-    assert done.returncode == 0, done.stderr
+    arguments = ["cycle", "case1", "--tone", "1100", "--json", "--out", str(picture)]
+    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
     assert picture.stat().st_size > 10_000
     (tone,) = json.loads(done.stdout)["cycles"]
     assert tone["frequency_hz"] == pytest.approx(1100.3, abs=0.1)
@@ -29,6 +31,7 @@ def test_json_tells_what_the_tone_is(tmp_path: Path) -> None:
     assert lateral == pytest.approx(tone["wheel_velocity_rms"]["lat"], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_parameters_and_the_library_mean_the_same() -> None:
     """Twice the creepage makes the tone 6 dB louder: its velocity just reaches that of sliding."""
     plain, double = (
@@ -42,12 +45,21 @@ def test_parameters_and_the_library_mean_the_same() -> None:
     assert plain.fate == "not looked at"
 
 
+@pytest.mark.slow
+def test_another_wheel_and_damping_have_other_tones() -> None:
+    """`--wheel`, with its contact stiffness, and `--damp`: the 1100 Hz of `generic840`, and none with much damping."""
+    arguments = ["cycle", "case1", "--tone", "1100", "--json", "--no-stability"]
+    other = CliRunner().invoke(app, [*arguments, "--wheel", "generic840"], catch_exceptions=False)
+    (tone,) = json.loads(other.stdout)["cycles"]
+    assert tone["frequency_hz"] == pytest.approx(1099.6, abs=0.1)
+    with pytest.raises(InputError, match="case1: no tone"):
+        CliRunner().invoke(app, [*arguments, "--damp", "(3,0)=2e-2"], catch_exceptions=False)
+
+
 def test_a_tone_that_is_not_there_is_refused() -> None:
     """The nearest ones are named."""
-    done = curvesqueal("cycle", "case1", "--tone", "700")
-    assert done.returncode == 1
-    assert "no tone near 700 Hz" in done.stderr
-    assert "1101.2" in done.stderr
+    with pytest.raises(InputError, match=r"no tone near 700 Hz: .*1101\.2 Hz"):
+        cycles(load("case1"), tone_hz=700.0)
 
 
 def test_a_quiet_system_has_no_tone() -> None:
@@ -56,6 +68,7 @@ def test_a_quiet_system_has_no_tone() -> None:
         cycles(load("case1", values={"contact": {"mu0": 0.002}}))
 
 
+@pytest.mark.slow
 def test_all_tones_are_drawn() -> None:
     """Growth rate against amplitude and levels, with a legend and units."""
     figure = plot_cycles(cycles("case4", with_stability=False), title="case4")

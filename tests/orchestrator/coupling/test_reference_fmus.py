@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmi3_fmu import write_ssd
 from foreign_fmus import Rows
-from reference_fmus import clocks, reference_fmu, state_space
+from reference_fmus import clocks, reference_fmu, state_space, ticking
 from table_fmus import COMPILER
 
 from orchestrator.coupling.assembly import assemble
@@ -139,6 +139,20 @@ def test_structural_parameters_resize_arrays(tmp_path: Path) -> None:
 def test_scheduled_execution_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"Clocks\.fmu: offers scheduled execution only; co-simulation is wanted"):
         open_fmu(clocks(tmp_path))
+
+
+def test_clocks_and_binary_variables_are_declined_with_a_sentence(tmp_path: Path) -> None:
+    """The FMU runs without them, which is said; a connection of them is refused."""
+    fmu = ticking(tmp_path)
+    _, found, master = simulate(fmu, 2.0)
+    assert found["c.y"][-1] == 2.0
+    assert master.notices == [
+        "c (Ticking.fmu): clocks are not supported; clock1 never tick",
+        "c (Ticking.fmu): binary inputs are not supported; received stay at the start",
+    ]
+    ssd = write_ssd(tmp_path / "two.ssd", {"a": fmu, "b": fmu}, [("a.sent", "b.received")])
+    with pytest.raises(InputError, match=r"connection a\.sent -> b\.received: Binary cannot be connected to Binary"):
+        assemble(read_system(ssd))
 
 
 def test_an_early_return_is_gone_on_from(tmp_path: Path) -> None:

@@ -7,23 +7,20 @@ import re
 import subprocess
 import sys
 import zipfile
-from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from coupled import modes_of, rail_of
-from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
-from numpy.typing import NDArray
-from scipy.linalg import expm
+from fmi3_fmu import StateSpace, needs_compiler, state_space_fmu, write_ssd
+from two_masses import two_masses
 
 from fmus.cases import read_cases
 from fmus.interface import DIRECTIONS, connections
 from fmus.modal.modes import state_space
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.contact_mobility import power_pairs
-from orchestrator.coupling.master import Master, Progress, Settings
+from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError, SimulationError
 from orchestrator.fmi.instance import FmuInstance, Value, open_fmu
 from orchestrator.probing.mobility import probed_mobility, published_mobility, with_step
@@ -31,181 +28,34 @@ from orchestrator.results.file import ResultsFile, open_results
 from orchestrator.system.model import System
 from orchestrator.system.reader import read_system
 
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the FMI 3.0 test FMU")
 pytestmark = needs_compiler
-
-STIFFNESS, DAMPING = 4.0, 0.1
-MASSES = (1.0, 2.0)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with two oscillating masses and the spring between them."""
-    path = tmp_path_factory.mktemp("fmi3")
-    for name, mass in zip(("one", "two"), MASSES, strict=True):
-        ground = StateSpace([[0, 1], [-1.0 / mass, 0]], [[0], [1 / mass]], np.eye(2))
-        state_space_fmu(path, name, ground)
-        state_space_fmu(path, f"{name}_slow", ground, fixed_step=0.04)
-        state_space_fmu(path, f"{name}_forgetful", ground, keeps_state=False)
-    gain = np.array([[-STIFFNESS, -DAMPING, STIFFNESS, DAMPING]])
-    state_space_fmu(path, "spring", StateSpace([[0]], np.zeros((1, 4)), np.zeros((2, 1)), np.vstack([gain, -gain])))
-    return path
-
-
-def two_masses(folder: Path, one: str = "one", two: str = "two") -> System:
-    """Return the two-mass oscillator: two FMUs with forces in and motion out, and a spring and damper between them."""
-    wires = [(f"{m}.y[{i}]", f"spring.u[{2 * k + i}]") for k, m in enumerate(("one", "two")) for i in (1, 2)]
-    wires += [("spring.y[1]", "one.u[1]"), ("spring.y[2]", "two.u[1]")]
-    parts = {"one": folder / f"{one}.fmu", "two": folder / f"{two}.fmu", "spring": folder / "spring.fmu"}
-    system = read_system(write_ssd(folder / "two_masses.ssd", parts, wires))
-    return system.with_parameters({"one": {"x0": "1 0"}})
-
-
-def exact(time: float) -> NDArray[np.float64]:
-    """Return the motion of both masses: the exponential of the coupled system."""
-    (m, n), k, c = MASSES, STIFFNESS, DAMPING
-    A = [
-        [0, 1, 0, 0],
-        [-(1 + k) / m, -c / m, k / m, c / m],
-        [0, 0, 0, 1],
-        [k / n, c / n, -(1 + k) / n, -c / n],
-    ]
-    return np.asarray(expm(np.array(A) * time) @ [1, 0, 0, 0])
-
-
-def end_state(system: System, settings: Settings) -> tuple[NDArray[np.float64], Progress]:
-    """Run and return the motion of both masses at the end."""
-    with Master(assemble(system), settings) as master:
-        progress = master.run()
-        last = dict(zip(master.outputs, master.plan.y, strict=True))
-    return np.array([last[m, f"y[{i}]"] for m in ("one", "two") for i in (1, 2)]), progress
-
-
-@pytest.mark.parametrize(("algorithm", "order"), [("staggered", 1), ("jacobi", 1), ("iterative", 2)])
-def test_order_of_convergence_on_the_two_mass_oscillator(folder: Path, algorithm: str, order: int) -> None:
-    """A spring that knows nothing of the step: held forces are of first order, the converged mean of second."""
-    system = two_masses(folder)
-    steps = (0.02, 0.01, 0.005)
-    errors = [abs(end_state(system, Settings(h, 4.0, algorithm))[0] - exact(4.0)).max() for h in steps]
-    orders = [np.log2(a / b) for a, b in pairwise(errors)]
-    assert orders == pytest.approx([order] * 2, abs=0.15), errors
-
-
-def test_iteration_reports_its_sweeps(folder: Path) -> None:
-    _, progress = end_state(two_masses(folder), Settings(0.01, 1.0, "iterative"))
-    assert 2 <= progress.sweeps <= progress.most_sweeps < 12
-    _, plain = end_state(two_masses(folder), Settings(0.01, 1.0))
-    assert (plain.sweeps, plain.most_sweeps) == (1.0, 1)
-
-
-def ring_of_gains(folder: Path, gain: float) -> System:
-    """Return two FMUs whose outputs depend on each other within a step: y = gain u + x, x = 1 in the first."""
-    file = state_space_fmu(folder, "gain", StateSpace([[0]], [[0]], [[1]], [[gain]]))
-    ssd = write_ssd(folder / "ring.ssd", {"a": file, "b": file}, [("a.y[1]", "b.u[1]"), ("b.y[1]", "a.u[1]")])
-    return read_system(ssd).with_parameters({"a": {"x0": "1"}})
-
-
-def test_iteration_solves_an_algebraic_loop(tmp_path: Path) -> None:
-    """y_a = y_b/2 + 1, y_b = y_a/2: 4/3 and 2/3 at every step, the first included."""
-    system = ring_of_gains(tmp_path, 0.5)
-    with pytest.raises(InputError, match=r"algebraic loop: the outputs of a, b depend on each other"):
-        Master(assemble(system), Settings(0.1, 1.0))
-    with Master(assemble(system), Settings(0.1, 1.0, "iterative")) as master:
-        for _ in range(2):
-            values = dict(zip(master.outputs, master.plan.y.copy(), strict=True))
-            assert values["a", "y[1]"] == pytest.approx(4 / 3, rel=1e-7)
-            assert values["b", "y[1]"] == pytest.approx(2 / 3, rel=1e-7)
-            master.run()
-
-
-def test_an_iteration_that_does_not_converge_says_so(tmp_path: Path) -> None:
-    with (
-        Master(assemble(ring_of_gains(tmp_path, 1.5)), Settings(0.1, 1.0, "iterative")) as master,
-        pytest.raises(SimulationError, match=r"iterative: input [ab]\.u\[1\] still changes after 50 sweeps at t = 0 s"),
-    ):
-        master.run()
-
-
-def test_iteration_needs_the_state(folder: Path) -> None:
-    system = two_masses(folder, one="one_forgetful")
-    with pytest.raises(InputError, match=r"iterative: one \(one_forgetful.fmu\) cannot get and set its state"):
-        Master(assemble(system), Settings(0.01, 1.0, "iterative"))
-    state, _ = end_state(system, Settings(0.01, 1.0))
-    same, _ = end_state(two_masses(folder), Settings(0.01, 1.0))
-    np.testing.assert_array_equal(state, same)
-
-
-def with_own_step(system: System, name: str, step: float) -> System:
-    """Return the system with a step of its own for a component, as an annotation gives it."""
-    return replace(system, elements={**system.elements, name: replace(system.elements[name], step=step)})
-
-
-def test_component_with_a_longer_step_of_its_own(folder: Path) -> None:
-    """One mass steps by 0.04 s among others of 0.01 s: its outputs stay in between, and the whole still converges."""
-    system = with_own_step(two_masses(folder), "one", 0.04)
-    with Master(assemble(system), Settings(0.01, 0.12)) as master:
-        assert master.notices == ["one makes one step of 0.04 s in 4 communication steps"]
-        seen = []
-        for _ in range(12):
-            master.run(steps=1)
-            seen.append(master.plan.y[master.outputs.index(("one", "y[1]"))])
-    assert [len(set(seen[4 * k + 3 : 4 * k + 7])) for k in range(2)] == [1, 1]
-    assert len(set(seen)) == 4  # the start, and three steps
-    coarse, _ = end_state(two_masses(folder), Settings(0.04, 4.0))
-    mixed, _ = end_state(system, Settings(0.01, 4.0))
-    assert abs(mixed - exact(4.0)).max() < abs(coarse - exact(4.0)).max()
-
-
-def test_steps_that_do_not_fit_are_refused(folder: Path) -> None:
-    """Neither a step that is no multiple, nor a run at whose end a slow component has not arrived."""
-    system = with_own_step(two_masses(folder), "one", 0.04)
-    with pytest.raises(
-        InputError, match=r"one: the system has it step by 0.04 s, no whole multiple of .* step of 0.03"
-    ):
-        Master(assemble(system), Settings(0.03, 1.0))
-    with pytest.raises(
-        InputError, match=r"one makes one step in 4 communication steps, and the run has 6: it would not"
-    ):
-        Master(assemble(system), Settings(0.01, 0.06))
-    with pytest.raises(InputError, match=r"iterative: one .* steps more slowly than the others"):
-        Master(assemble(system), Settings(0.02, 1.0, "iterative"))
-
-
-def test_an_inner_step_is_advice(folder: Path) -> None:
-    """FMI 3.0 fixedInternalStepSize: the FMU steps with the others all the same; that it does not fit is told."""
-    system = two_masses(folder, one="one_slow")
-    for step, told in ((0.02, 1), (0.08, 0)):
-        with Master(assemble(system), Settings(step, 0.8)) as master:
-            assert sum("steps inside by 0.04 s" in notice for notice in master.notices) == told
-        found, plain = (end_state(s, Settings(step, 0.8))[0] for s in (system, two_masses(folder)))
-        np.testing.assert_array_equal(found, plain)
 
 
 @pytest.mark.parametrize(("value", "message"), [("1", "wants 2 values, got 1"), ("1 x", "must be a number")])
-def test_arrays_as_parameters(folder: Path, value: str, message: str) -> None:
+def test_arrays_as_parameters(masses: Path, value: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        assemble(two_masses(folder).with_parameters({"one": {"x0": value}}))
-    whole = assemble(two_masses(folder).with_parameters({"one": {"A": [[0.0, 1.0], [-9.0, 0.0]]}}))  # type: ignore[dict-item]
+        assemble(two_masses(masses).with_parameters({"one": {"x0": value}}))
+    whole = assemble(two_masses(masses).with_parameters({"one": {"A": [[0.0, 1.0], [-9.0, 0.0]]}}))  # type: ignore[dict-item]
     assert whole.parameters["one"]["A[2,1]"] == -9.0
-    single = assemble(two_masses(folder).with_parameters({"one": {"A[2,1]": "-9"}}))
+    single = assemble(two_masses(masses).with_parameters({"one": {"A[2,1]": "-9"}}))
     assert single.parameters["one"]["A[2,1]"] == -9.0
     for assembly in (whole, single):
         with Master(assembly, Settings(0.01, 0.1)) as master:
             assert master.instances["one"].get_real(["A[1,2]", "A[2,1]"]) == [1.0, -9.0]
 
 
-def test_an_array_is_no_connector(folder: Path) -> None:
-    system = two_masses(folder)
+def test_an_array_is_no_connector(masses: Path) -> None:
+    system = two_masses(masses)
     wires = [("one.y", "spring.u[1]")]
-    bad = write_ssd(folder / "bad.ssd", {n: e.source for n, e in system.elements.items()}, wires)
+    bad = write_ssd(masses / "bad.ssd", {n: e.source for n, e in system.elements.items()}, wires)
     with pytest.raises(InputError, match=r"y is an array; name an element, y\[1\] to y\[2\]"):
         assemble(read_system(bad))
 
 
-def test_whole_numbers_and_booleans_are_exchanged(folder: Path) -> None:
+def test_whole_numbers_and_booleans_are_exchanged(masses: Path) -> None:
     """`enable` of the second follows `positive` of the first; a count of steps drives a real input."""
     wires = [("one.positive", "two.enable"), ("one.steps", "two.u[1]"), ("two.y[1]", "one.u[1]")]
-    path = write_ssd(folder / "typed.ssd", {n: folder / f"{n}.fmu" for n in ("one", "two")}, wires)
+    path = write_ssd(masses / "typed.ssd", {n: masses / f"{n}.fmu" for n in ("one", "two")}, wires)
     system = read_system(path).with_parameters({"one": {"x0": "-1 0"}})
     with Master(assemble(system), Settings(0.01, 0.05)) as master:
         master.run()
@@ -215,7 +65,7 @@ def test_whole_numbers_and_booleans_are_exchanged(folder: Path) -> None:
     assert values["two", "y[1]"] == 0  # not enabled: the force of 1 to 5 N does nothing
     assert values["one", "single"] == pytest.approx(values["one", "y[1]"], rel=1e-6)
     wrong = write_ssd(
-        folder / "wrong.ssd", {n: folder / f"{n}.fmu" for n in ("one", "two")}, [("one.y[1]", "two.enable")]
+        masses / "wrong.ssd", {n: masses / f"{n}.fmu" for n in ("one", "two")}, [("one.y[1]", "two.enable")]
     )
     with pytest.raises(InputError, match="Real cannot be connected to Boolean"):
         assemble(read_system(wrong))
@@ -285,9 +135,9 @@ def test_mobility_is_probed_by_rollback_and_without(array_rail: System, built: P
         (4, r"one: output y\[1\] = nan at t = 0.02 s: not a finite number"),
     ],
 )
-def test_faults_of_an_fmi_3_component(folder: Path, number: int, message: str, tmp_path: Path) -> None:
+def test_faults_of_an_fmi_3_component(masses: Path, number: int, message: str, tmp_path: Path) -> None:
     """At the third step; what was recorded until then is kept, here and with the message in a process of its own."""
-    system = two_masses(folder).with_parameters({"one": {"fault": number, "fault_step": 3}})
+    system = two_masses(masses).with_parameters({"one": {"fault": number, "fault_step": 3}})
     path = tmp_path / "r.nc"
     with (
         Master(assemble(system), Settings(0.01, 0.1, record_every=1)) as master,
@@ -299,9 +149,9 @@ def test_faults_of_an_fmi_3_component(folder: Path, number: int, message: str, t
         assert data.sizes["time"] == 3
 
 
-def test_a_component_may_end_the_run(folder: Path, tmp_path: Path) -> None:
+def test_a_component_may_end_the_run(masses: Path, tmp_path: Path) -> None:
     """FMI 3.0 terminateSimulation with the third step: that step counts and is the last row; no error."""
-    system = two_masses(folder).with_parameters({"one": {"fault": 5, "fault_step": 3}})
+    system = two_masses(masses).with_parameters({"one": {"fault": 5, "fault_step": 3}})
     path = tmp_path / "r.nc"
     with (
         Master(assemble(system), Settings(0.01, 0.1, record_every=2)) as master,
@@ -313,9 +163,9 @@ def test_a_component_may_end_the_run(folder: Path, tmp_path: Path) -> None:
         assert data["time"].to_numpy() == pytest.approx([0.0, 0.02, 0.03], rel=1e-12)
 
 
-def test_a_fault_on_the_command_line(folder: Path, tmp_path: Path) -> None:
-    two_masses(folder)
-    command = [sys.executable, "-m", "orchestrator", "run", str(folder / "two_masses.ssd"), "--step", "0.01", "--json"]
+def test_a_fault_on_the_command_line(masses: Path, tmp_path: Path) -> None:
+    two_masses(masses)
+    command = [sys.executable, "-m", "orchestrator", "run", str(masses / "two_masses.ssd"), "--step", "0.01", "--json"]
     command += ["--duration", "0.1", "--set", "one.fault=2", "--set", "one.fault_step=6", "--out", str(tmp_path)]
     done = subprocess.run([*command, "--record-every", "1"], capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 1
@@ -330,10 +180,12 @@ def test_a_fault_on_the_command_line(folder: Path, tmp_path: Path) -> None:
 MINIMAL = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="{version}" modelName="m" guid="g"{more}>{interface}
 {structure}</fmiModelDescription>"""
+
 ONE_VARIABLE = (
     '<ModelVariables><ScalarVariable name="p" valueReference="0" causality="local"><Real/></ScalarVariable>'
     "</ModelVariables><ModelStructure/>"
 )
+
 FMI_1 = ' modelIdentifier="m" numberOfContinuousStates="0" numberOfEventIndicators="0"'
 
 
@@ -358,8 +210,8 @@ def test_other_kinds_of_fmus_are_refused(
         open_fmu(file)
 
 
-def test_state_goes_through_bytes(folder: Path) -> None:
-    fmu = open_fmu(folder / "one.fmu")
+def test_state_goes_through_bytes(masses: Path) -> None:
+    fmu = open_fmu(masses / "one.fmu")
     instance = FmuInstance(fmu, "one")
     instance.set({"x0[1]": 1.0})
     instance.enter_initialization_mode(0.0, 1.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
+from fmi3_fmu import StateSpace, needs_compiler, state_space_fmu, write_ssd
 from numpy.typing import NDArray
 from toy_fmus import toy_fmu, toy_ssd
 
@@ -21,7 +21,6 @@ from orchestrator.results.file import open_results
 from orchestrator.system.model import System
 from orchestrator.system.reader import read_system
 
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the FMI 3.0 test FMU")
 LAG = StateSpace([[-10.0]], [[5.0]], [[1.0]])
 
 

@@ -13,11 +13,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmi3_fmu import COMPILER, StateSpace, state_space_fmu, write_ssd
+from fmi3_fmu import StateSpace, needs_compiler, state_space_fmu, write_ssd
 
 from orchestrator.results.file import open_results
-
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the FMI 3.0 test FMU")
 
 
 def ring(folder: Path) -> Path:

@@ -14,9 +14,11 @@ from fmus.rail.track_data import TRACKS
 from fmus.wheel.class158 import class158
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
-from orchestrator.runs import treatments
-from orchestrator.runs.treatments import damping_values, labels_of, rail_named
+from orchestrator.runs.treatments import damping_values
+from orchestrator.system import kept as kept_structures
 from orchestrator.system.cases import find_system
+from orchestrator.system.kept import rail_key, rail_named
+from orchestrator.system.settable import labels_of
 
 
 def test_labels_stand_in_the_descriptions() -> None:
@@ -66,9 +68,9 @@ def test_a_rail_by_name_is_built_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert rail_named("my.fmu") == Path("my.fmu")
     with pytest.raises(InputError, match=r"rail none: neither an .fmu, a track file nor one of bs113a, default"):
         rail_named("none")
-    monkeypatch.setattr(treatments, "cache_folder", lambda: tmp_path / "archives")
+    monkeypatch.setattr(kept_structures, "cache_folder", lambda: tmp_path / "archives")
     kept = tmp_path / "rails"
     kept.mkdir()
-    key = treatments.rail_key(TRACKS / "slab.toml")
+    key = rail_key(TRACKS / "slab.toml")
     (kept / f"slab-{key}.fmu").write_bytes(b"built before")
     assert rail_named("slab").read_bytes() == b"built before"

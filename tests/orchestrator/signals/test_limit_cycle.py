@@ -62,7 +62,7 @@ def test_limit_cycle_of_known_lines() -> None:
     assert cycle.harmonics[0].wheel["lat"] == pytest.approx(0.2, rel=1e-3)
     assert cycle.harmonics[1].wheel["lat"] == pytest.approx(0.004, rel=1e-3)
     assert cycle.rail_above_wheel_hz == pytest.approx([2 * TONE], abs=0.01)
-    assert (cycle.second_tone_db, cycle.second_tone_hz) == pytest.approx((-60.0, 1500.0), abs=0.01)
+    assert cycle.second_tone_db == pytest.approx(-60.0, abs=0.01)
     assert cycle.rail_to_wheel["lat"] == pytest.approx(np.hypot(0.01, 0.008) / np.hypot(0.2, 0.004), rel=1e-4)
     assert cycle.contact_lost is None
 

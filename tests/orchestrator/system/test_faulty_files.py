@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from block_systems import (
     archive,
-    block_fmu,
     component,
     connector,
     description,
@@ -18,15 +17,14 @@ from block_systems import (
     system,
     wire,
 )
+from fmi3_fmu import needs_compiler, write_ssd
 from foreign_fmus import U, Y, foreign_fmu, variable
-from table_fmus import COMPILER
 
 from orchestrator.errors import Fault, InputError
 from orchestrator.fmi.file import open_fmu
 from orchestrator.runs.scenario import Scenario
 from orchestrator.system.reader import read_system
 
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the test FMUs")
 OURS = (
     "<ssd:Annotations>"
     '<ssc:Annotation type="curvesqueal"><cs:Component xmlns:cs="urn:curvesqueal:ssp" {}/></ssc:Annotation>'
@@ -34,11 +32,6 @@ OURS = (
 )
 TWO = component("m1") + component("m2")
 PAIR = wire("m1.y", "m2.u")
-
-
-@pytest.fixture(scope="module")
-def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return block_fmu(tmp_path_factory.mktemp("block"))
 
 
 def twice(first: str, second: str) -> str:
@@ -156,8 +149,6 @@ def test_faults_that_change_a_number_are_errors(tmp_path: Path, variables: str, 
 @needs_compiler
 def test_a_parameter_without_a_start_keeps_that_of_the_fmu(tmp_path: Path) -> None:
     """The step puts out the parameter, which the FMU itself has at 7; wildcards set it."""
-    from fmi3_fmu import write_ssd  # noqa: PLC0415
-
     from orchestrator.coupling.master import Master  # noqa: PLC0415
 
     fmu = foreign_fmu(tmp_path / "x.fmu", Y + variable("p", 2, "parameter"), create="m->r[2]=7", step="m->r[1]=m->r[2]")

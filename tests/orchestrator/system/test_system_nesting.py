@@ -6,16 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from block_systems import archive, block_fmu, component, connector, description, inline, simulate, system, wire
+from block_systems import archive, component, connector, description, inline, simulate, system, wire
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 METRES = {"": None, "m": 1.0, "mm": 1e-3, "km": 1e3}
-
-
-@pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return block_fmu(tmp_path_factory.mktemp("block"))
 
 
 @dataclass(frozen=True)
@@ -108,14 +103,14 @@ def written(node: Chain, name: str = "root", start: float | None = None) -> tupl
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(tree=trees, start=numbers)
-def test_nested_systems_equal_their_flat_evaluation(tmp_path: Path, fmu: Path, tree: Chain, start: float) -> None:
+def test_nested_systems_equal_their_flat_evaluation(tmp_path: Path, block: Path, tree: Chain, start: float) -> None:
     """Parameters bound at any level, units and transformations at every connection; rounding only.
 
     The system's output is another name for the last block's; what its connection makes of it is in the assembly.
     """
     root, waiting = written(tree, start=start)
     assert not waiting
-    run = simulate(archive(tmp_path / "a.ssp", fmu, description(root)), steps=20)
+    run = simulate(archive(tmp_path / "a.ssp", block, description(root)), steps=20)
     (alias,) = run.assembly.outputs
     found = alias.gain * run.outputs[f"{alias.wire.start_element}.y"] + alias.offset
     expected, _ = flat(tree, start, tree.units[0])
