@@ -188,7 +188,7 @@ def test_what_cannot_be_translated_is_said_with_its_place(kernel: Any) -> None:
     ("fixture", "make", "steps", "moving"),
     [
         pytest.param("native", Slave, 10_000, 5e-4, marks=pytest.mark.slow),
-        ("native3", Slave3, 500, 5e-5),
+        pytest.param("native3", Slave3, 500, 5e-5, marks=pytest.mark.slow),
     ],
 )
 def test_compiled_sources_give_the_native_numbers(

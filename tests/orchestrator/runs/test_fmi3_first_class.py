@@ -65,3 +65,19 @@ def test_a_start_on_a_mode_and_the_description_know_arrays(native: Path, native3
     assert starts[0] == starts[1]
     two, three = (describe(folder / "wheel.fmu")["variables"] for folder in (native, native3))
     assert len(two) == len([v for v in three if v["name"] != "time"])
+
+
+def test_a_friction_law_by_name_is_the_same_law(native: Path, native3: Path, tmp_path: Path) -> None:
+    """Its table is an array in FMI 3.0 and forty parameters in FMI 2.0."""
+    values = {"contact": {"friction": "friction-modifier"}}
+    pair = [run(folder / "curvesqueal.ssp", tmp_path, values=values) for folder in (native, native3)]
+    with open_results(pair[0].results) as two, open_results(pair[1].results) as three:
+        force = np.asarray(two["contact.tangential_force_lat"])
+        np.testing.assert_allclose(
+            np.asarray(three["contact.tangential_force_lat"]), force, rtol=0, atol=1e-12 * np.abs(force).max()
+        )
+        laws = [model_of(data).poles.growth_rate for data in (two, three)]
+    np.testing.assert_allclose(laws[1], laws[0], rtol=1e-9, atol=1e-6)
+    plain = run(native3 / "curvesqueal.ssp", tmp_path)
+    with open_results(plain.results) as data:
+        assert np.abs(model_of(data).poles.growth_rate.max() - laws[1].max()) > 1.0
