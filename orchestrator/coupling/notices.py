@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..system.friction import beyond_table
 from .algorithms import find_algorithm
 from .assembly import Assembly
 from .rates import is_multiple
@@ -26,7 +27,18 @@ def notices(assembly: Assembly, settings: Settings) -> Iterator[str]:
     for name, count in assembly.periods(settings.step).items():
         if count > 1:
             yield f"{name} makes one step of {settings.step * count:g} s in {count} communication steps"
+    yield from _of_friction(assembly)
     yield from _of_fmus(assembly, settings.step)
+
+
+def _of_friction(assembly: Assembly) -> Iterator[str]:
+    """Yield where the friction law of a contact is used outside its data."""
+    for name, fmu in assembly.fmus.items():
+        if "friction_law" in fmu.variables:
+            starts = {parameter: fmu.variables[parameter].start for parameter in fmu.names("parameter")}
+            said = beyond_table({**starts, **assembly.parameters[name]})
+            if said:
+                yield f"{name}: {said}"
 
 
 def _of_fmus(assembly: Assembly, step: float) -> Iterator[str]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import hypot
 from pathlib import Path
 from typing import Any
 
 from fmus.contact.friction.file import read_friction
 from fmus.contact.friction.named import NAMED
+from fmus.contact.friction_parameters import ABSCISSA, TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY
 from fmus.errors import DataError
-from fmus.modal.parameters import as_spelled
+from fmus.modal.parameters import as_declared, as_spelled, block_of
 
 from ..errors import InputError
 from ..fmi.instance import Value
@@ -54,3 +56,28 @@ def friction_values(text: str, own: Mapping[str, Value] | None = None) -> dict[s
     if "mu0" in (own or {}):
         raise InputError(f"contact.mu0: friction comes from the table {path.name}, so it has no effect; leave one out")
     return {**table, **(own or {})}
+
+
+def beyond_table(values: Mapping[str, Any]) -> str | None:
+    """Return a sentence if the steady creepage lies outside the friction table of a contact; None if it does not.
+
+    Parameters
+    ----------
+    values : all parameters of the contact by name, in either spelling
+    """
+    known = as_declared(values)
+    law = int(float(known["friction_law"]))
+    if law not in (TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY):
+        return None
+    x = block_of(ABSCISSA, known)[: int(float(known["friction_points"]))]
+    steady = hypot(float(known["steady_creepage_lon"]), float(known["steady_creepage_lat"]))
+    what = "creepage of {:g}"
+    if law == TABLE_OF_VELOCITY:
+        steady *= float(known["rolling_velocity"])
+        what = "sliding velocity of {:g} m/s"
+    if x[0] <= steady <= x[-1]:
+        return None
+    return (
+        f"the friction table goes from {x[0]:g} to {x[-1]:g}; at the steady {what.format(steady)} the curve is "
+        "continued beyond its end, which is an assumption"
+    )

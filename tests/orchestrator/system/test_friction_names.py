@@ -11,7 +11,7 @@ from fmus.contact.friction.named import NAMED, friction_table
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.system.cases import find_system
-from orchestrator.system.friction import friction_values
+from orchestrator.system.friction import beyond_table, friction_values
 from orchestrator.system.settable import spread
 
 GOOD = {
@@ -61,3 +61,21 @@ def test_friction_of_a_contact_stands_for_its_parameters() -> None:
     fmus = {"contact": open_fmu(find_system("case1").elements["contact"].source)}
     found = spread({"contact": {"friction": "polach-dry", "polach_decay": 0.5}}, fmus)
     assert found == {"contact": {**NAMED["polach-dry"].values, "polach_decay": 0.5}}
+
+
+@pytest.mark.parametrize(
+    ("header", "steady", "said"),
+    [
+        ("creepage", 0.02, None),
+        ("creepage", 0.031, "goes from 0 to 0.03; at the steady creepage of 0.031 the curve is continued"),
+        ("velocity [m/s]", 0.002, None),
+        ("velocity [m/s]", 0.02, "goes from 0 to 0.03; at the steady sliding velocity of 0.2 m/s"),
+    ],
+)
+def test_a_table_that_ends_before_the_steady_creepage_is_told(
+    tmp_path: Path, header: str, steady: float, said: str | None
+) -> None:
+    (tmp_path / "law.csv").write_text(f"{header},friction\n0,0.3\n0.03,0.25\n")
+    values = {"steady_creepage_lon": 0.0, "steady_creepage_lat": steady, "rolling_velocity": 10.0}
+    sentence = beyond_table({**values, **friction_values(str(tmp_path / "law.csv"))})
+    assert (sentence is None) if said is None else (sentence is not None and said in sentence)
