@@ -190,12 +190,14 @@ def transfers(
 ) -> loop.Transfers:
     """Return the calls that set or get variables: one per component and type, and one for the texts of a component.
 
-    Variables that share a value reference are exchanged once.
+    Variables that share a value reference are exchanged once. An input that a table feeds is in no call but that of
+    the texts, and stands in the plan so that an iteration sees its source change.
     """
     own: dict[str, dict[str, list[int]]] = {}
     for place, (element, name) in enumerate(keys):
         kind = assembly.fmus[element].variables[name].fmi_type
-        own.setdefault(element, {}).setdefault(kind, []).append(place)
+        if direction == "Get" or texts is None or not texts.looks_up(element, name):
+            own.setdefault(element, {}).setdefault(kind, []).append(place)
     begin, functions, calls = [0], [], []
     for name, fmu in assembly.fmus.items():
         for kind, places in own.get(name, {}).items():

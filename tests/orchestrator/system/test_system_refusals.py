@@ -61,7 +61,7 @@ REFUSED = {
     ),
     "table in a connection": (
         system(BOTH, wire("m1.y", "m2.u", table_of("Boolean", {"true": "false"}))),
-        "m1.y -> m2.u: a BooleanMappingTransformation of a connection is not supported",
+        "m1.y -> m2.u: BooleanMappingTransformation is for Boolean; y is Real",
     ),
     "other component": (
         FLAT.replace("x-fmu-sharedlibrary", "x-simulink", 1),
