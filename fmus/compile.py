@@ -11,6 +11,7 @@ from collections import namedtuple
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 Kernel = Callable[..., Any]
@@ -22,19 +23,30 @@ def kernel(function: Kernel) -> Kernel:
     """Compile `function` with Numba if it is installed; else (a host without Numba) return it as it is."""
     if not HAS_NUMBA:
         return function
+    return compiled(function, _cache_folder(function.__module__), error_model="numpy")
+
+
+def compiled(function: Kernel, folder: str, **options: Any) -> Kernel:
+    """Compile `function` with Numba and keep the machine code in `folder`, where that can be written.
+
+    Parameters
+    ----------
+    folder : named by a hash of all sources that `function` is made of; "" for Numba's default, beside the source
+    options : of `numba.njit`
+    """
     import numba  # noqa: PLC0415 - optional
 
     config: Any = numba.config
     before = config.CACHE_DIR
-    compiled: Kernel
+    made: Kernel
     try:
-        config.CACHE_DIR = _cache_folder(function.__module__)
-        compiled = numba.njit(cache=True, error_model="numpy")(function)
+        config.CACHE_DIR = folder
+        made = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
-        compiled = numba.njit(error_model="numpy")(function)
+        made = numba.njit(**options)(function)
     finally:
         config.CACHE_DIR = before
-    return compiled
+    return made
 
 
 @cache
@@ -46,15 +58,20 @@ def _cache_folder(module: str) -> str:
     """
     if __package__ != "fmus":
         return ""
-    from platformdirs import user_cache_path  # noqa: PLC0415 - not there in an FMU
-
     from fmus.sources import PACKAGE, files_of  # noqa: PLC0415 - not there in an FMU
 
-    own = module.startswith("fmus.")
-    files = files_of(module.removeprefix("fmus.")) if own else sorted(map(str, PACKAGE.rglob("*.py")))
+    if module.startswith("fmus."):
+        return kept_under(PACKAGE / name for name in files_of(module.removeprefix("fmus.")))
+    return kept_under(sorted(PACKAGE.rglob("*.py")))  # of another package: it may use any of this one
+
+
+def kept_under(files: Iterable[Path]) -> str:
+    """Return the folder for machine code that is made of these files."""
+    from platformdirs import user_cache_path  # noqa: PLC0415 - not there in an FMU
+
     digest = hashlib.sha256()
-    for name in files:
-        digest.update((PACKAGE / name).read_bytes())
+    for path in files:
+        digest.update(path.read_bytes())
     return str(user_cache_path("curvesqueal") / "kernels" / digest.hexdigest()[:16])
 
 

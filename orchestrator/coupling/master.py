@@ -15,13 +15,17 @@ from ..fmi.file import WHOLE
 from ..fmi.instance import STATUS, FmuInstance, Value
 from ..probing.mobility import with_step
 from ..results.file import Column, Results
-from . import loop, recording
 from .algorithms import find_algorithm, stages
 from .assembly import Assembly
 from .bonds import energy_account, sums
 from .contact_mobility import contact_mobility
+from .faults import fault_of
+from .loop import data
+from .loop.recorded import Further, advance, snapshot
+from .loop.steps import exchange
 from .notices import notices
 from .plan import Schedule, Wiring, make_plan, transfers, wide
+from .recording import recorded
 from .settings import Progress, Settings
 from .texts import Texts
 
@@ -67,9 +71,7 @@ class Master:
         self.outputs = list(self.wiring.outputs)
         self._index = {name: k for k, name in enumerate(assembly.fmus)}
         self.account = energy_account(assembly.contact, assembly.fmus)
-        self.further = list(
-            dict.fromkeys([*recording.recorded(assembly.fmus, settings.record), *self.account.values()])
-        )
+        self.further = list(dict.fromkeys([*recorded(assembly.fmus, settings.record), *self.account.values()]))
         self.progress = Progress(settings.steps)
         self._exit = ExitStack()
         with ExitStack() as stack:
@@ -114,7 +116,7 @@ class Master:
         dtype = np.dtype(bool) if known.type == "Boolean" else instance.layout(known.fmi_type)
         return Column(f"{name}.{variable}", fmu.unit(variable) or "", known.description or "", dtype)
 
-    def _further(self) -> recording.Further:
+    def _further(self) -> Further:
         """Return the calls that get the further variables, and room for these."""
         count = len(self.further)
         calls = transfers(self.assembly, self.instances, self.further, "Get")
@@ -122,7 +124,7 @@ class Master:
         self.plan = self.plan._replace(scratch=np.zeros(room, dtype=np.uint64))
         whole = any(self.assembly.fmus[name].variables[v].type in WHOLE for name, v in self.further)
         words = np.zeros(count, dtype=np.int64)
-        return recording.Further(calls, np.zeros(count), words, wide(self.assembly, self.further), whole)
+        return Further(calls, np.zeros(count), words, wide(self.assembly, self.further), whole)
 
     def _check(self) -> None:
         """Raise InputError if a component does not get to the end, or cannot repeat a step that has to be."""
@@ -166,15 +168,15 @@ class Master:
             before = self.plan.y.copy()
             for stage in self.stages:
                 for name in stage:
-                    self._exchange(name, loop.SET)
-                    self._exchange(name, loop.GET)
+                    self._exchange(name, data.SET)
+                    self._exchange(name, data.GET)
             if np.allclose(self.plan.y, before, rtol=self.algorithm.tolerance, atol=0):
                 break
         for name, instance in self.instances.items():
-            self._exchange(name, loop.SET)
+            self._exchange(name, data.SET)
             instance.exit_initialization_mode()
         for name in self.instances:
-            self._exchange(name, loop.GET)
+            self._exchange(name, data.GET)
 
     def _told_stop(self, name: str) -> float:
         """Return the stop time that a component is told: where its last step ends, to the bit, by its own sum."""
@@ -187,7 +189,7 @@ class Master:
     def _exchange(self, name: str, what: int) -> None:
         """Bring the inputs of a component up to date or get its outputs, between steps."""
         where = self._index[name]
-        status = loop.exchange(self.plan, where, what == loop.SET)
+        status = exchange(self.plan, where, what == data.SET)
         if status > 1:
             raise SimulationError(self._explain(what, where, status, self.assembly.system.start))
 
@@ -241,9 +243,9 @@ class Master:
     def _first_row(self) -> Rows:
         """Return what is recorded after the initialisation."""
         row = np.zeros((1, len(self.signals())))
-        where, status = recording.snapshot(self.plan, self._more, (row, row.view(np.int64)))
+        where, status = snapshot(self.plan, self._more, (row, row.view(np.int64)))
         if status > 1:
-            raise SimulationError(self._explain(loop.GET, where, status, self.assembly.system.start))
+            raise SimulationError(self._explain(data.GET, where, status, self.assembly.system.start))
         return row
 
     def _chunks(self, end: int) -> Iterator[tuple[Rows, Rows]]:
@@ -257,7 +259,7 @@ class Master:
             rows = np.empty((steps // every + 2, columns))
             record = (rows, rows.view(np.int64))
             begin = time.perf_counter()
-            done, count, what, where, status = recording.advance(
+            done, count, what, where, status = advance(
                 self.plan, self._more, clock, progress.steps, steps, every, record
             )
             elapsed = time.perf_counter() - begin
@@ -266,7 +268,7 @@ class Master:
             progress.steps += done
             self._take_figures()
             numbers = np.minimum(first + every * np.arange(count), progress.steps)
-            fault = what != loop.OK and not self._ended(what, where, status)
+            fault = what != data.OK and not self._ended(what, where, status)
             yield self._times(numbers), rows[:count]
             if fault:
                 raise SimulationError(self._explain(what, where, status, self._times(np.array([progress.steps]))[0]))
@@ -279,10 +281,10 @@ class Master:
 
     def _ended(self, what: int, where: int, status: int) -> bool:
         """Return whether a component ended the run, and say so in the progress."""
-        if what != loop.STEP:
+        if what != data.STEP:
             return False
         instance = list(self.instances.values())[where]
-        if status == loop.ENDED or (STATUS[status : status + 1] == ("discard",) and instance.ended()):
+        if status == data.ENDED or (STATUS[status : status + 1] == ("discard",) and instance.ended()):
             at = self._times(np.array([self.progress.steps]))[0]
             self.progress.ended = f"{instance.name} ended the simulation at t = {at:.9g} s{instance.last_message()}"
             return True
@@ -308,26 +310,13 @@ class Master:
     def _explain(self, what: int, where: int, status: int, moment: float) -> str:
         """Return the sentence that says which component failed, in which call and when."""
         at = f"at t = {moment:.9g} s"
-        if what == loop.NOT_FINITE:
+        if what == data.NOT_FINITE:
             name, variable = self.outputs[where]
             return f"{name}: output {variable} = {self.plan.y[where]} {at}: not a finite number"
-        if what == loop.NOT_CONVERGED:
+        if what == data.NOT_CONVERGED:
             name, variable = self.wiring.inputs[where].key
             return (
                 f"{self.settings.algorithm}: input {name}.{variable} still changes after "
                 f"{self.algorithm.sweeps} sweeps {at}; take a smaller step or another algorithm"
             )
-        instance = list(self.instances.values())[where]
-        if status == loop.STOOD:
-            return f"{instance.name}: doStep returned early {at} without getting on{instance.last_message()}"
-        if status == loop.TOO_LARGE:
-            return f"{instance.name}: an input does not hold the whole number that is connected to it, {at}"
-        said = STATUS[status] if status < len(STATUS) else str(status)
-        instance.lost = said == "fatal"
-        return f"{instance.name}: {_CALLS[what]} returned {said} {at}{instance.last_message()}"
-
-
-_CALLS = {
-    loop.SET: "setting inputs", loop.STEP: "doStep", loop.GET: "getting outputs",
-    loop.SAVE: "getFMUstate", loop.RESTORE: "setFMUstate",
-}  # fmt: skip
+        return fault_of(list(self.instances.values())[where], what, status, at)

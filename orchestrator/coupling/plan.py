@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ..fmi.file import NUMERIC, WHOLE, Fmu, Variable
 from ..fmi.instance import FmuInstance
-from . import loop
 from .algorithms import Algorithm
 from .assembly import Assembly
 from .bonds import Link
-from .loop_calls import LAYOUTS
+from .loop import data
+from .loop.calls import LAYOUTS
 from .texts import Texts
 
 _DOUBLES = 0
@@ -110,7 +110,7 @@ def make_plan(
     wiring: Wiring,
     how: Schedule,
     texts: Texts,
-) -> loop.Plan:
+) -> data.Plan:
     """Resolve names to indices and functions to addresses."""
     names = list(assembly.fmus)
     index = {name: k for k, name in enumerate(names)}
@@ -122,7 +122,7 @@ def make_plan(
     algorithm, rolling = how.algorithm, how.algorithm.sweeps > 1
     into = transfers(assembly, instances, ends, "Set", texts)
     out = transfers(assembly, instances, wiring.outputs, "Get", texts)
-    return loop.Plan(
+    return data.Plan(
         stage_begin=_begins([len(stage) for stage in how.stages]),
         order=_whole([index[name] for stage in how.stages for name in stage]),
         handle=_whole([instances[name].handle for name in names]),
@@ -187,7 +187,7 @@ def transfers(
     keys: Sequence[Key],
     direction: str,
     texts: Texts | None = None,
-) -> loop.Transfers:
+) -> data.Transfers:
     """Return the calls that set or get variables: one per component and type, and one for the texts of a component.
 
     Variables that share a value reference are exchanged once. An input that a table feeds is in no call but that of
@@ -208,7 +208,7 @@ def transfers(
             functions.append(texts.function(name, direction))
             calls.append(_Call(-1, [], 0, [], []))
         begin.append(len(functions))
-    return loop.Transfers(
+    return data.Transfers(
         begin=_whole(begin),
         function=_whole(functions),
         layout=_whole([call.layout for call in calls]),
@@ -224,7 +224,7 @@ def transfers(
 
 @dataclass(frozen=True)
 class _Call:
-    """One call that sets or gets variables, see `loop.Transfers`."""
+    """One call that sets or gets variables, see `data.Transfers`."""
 
     layout: int
     references: list[int]

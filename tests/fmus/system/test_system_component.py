@@ -9,6 +9,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from fmpy import simulate_fmu
 from slaves import H, Slave
 
 from fmus.cases import read_cases
@@ -65,6 +66,12 @@ def test_a_long_step_is_made_of_equal_micro_steps(declared: dict[str, Component]
     for _ in range(200):
         many.do_step(H)
     np.testing.assert_array_equal(one.outputs, many.outputs)
+
+
+@pytest.mark.parametrize("step", [60.0, 1e300])
+def test_a_step_of_too_many_micro_steps_is_an_error_at_once(native: Path, step: float) -> None:
+    with pytest.raises(Exception, match="fmi2DoStep failed with status 3"):
+        simulate_fmu(str(native / "curvesqueal.fmu"), stop_time=step, output_interval=step, step_size=step)
 
 
 def test_micro_steps_of_another_size_bring_their_own_mobility(declared: dict[str, Component]) -> None:

@@ -80,7 +80,7 @@ def test_another_rail_for_a_rigid_one_is_refused(native: Path) -> None:
 @pytest.mark.slow
 def test_listen_runs_a_case_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     out = tmp_path / "a.wav"
-    options = ["--out", str(out), "--duration", "0.05", "--damp", "wheel=x2", "--wheel", "generic840", "--json"]
+    options = ["--out", str(out), "--duration", "0.4", "--damp", "wheel=x2", "--wheel", "generic840", "--json"]
     monkeypatch.setattr(sys, "argv", ["curvesqueal", "listen", "case1", *options])
     assert command_line() == 0
     assert json.loads(capsys.readouterr().out)["file"] == str(out)

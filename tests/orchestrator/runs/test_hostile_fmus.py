@@ -19,6 +19,7 @@ from orchestrator.coupling.settings import Settings
 from orchestrator.errors import InputError
 from orchestrator.fmi.file import open_fmu
 from orchestrator.results.file import open_results
+from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
 
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the test FMU")
@@ -28,6 +29,17 @@ def system(folder: Path, step: str) -> Path:
     """Return an SSD of one FMU whose step does this."""
     fmu = foreign_fmu(folder / "odd.fmu", Y + U, step=step)
     return write_ssd(folder / "s.ssd", {"c": fmu}, [], stop=1.0)
+
+
+def test_a_status_that_fmi_does_not_have_is_an_error(tmp_path: Path) -> None:
+    """Neither taken for OK (below 0) nor for one of the master's own signs."""
+    for status in (-1, 6, 17):
+        folder = tmp_path / str(status)
+        folder.mkdir()
+        scenario = Scenario(str(system(folder, f"if(m->t>0.0105) return {status};")), step=1e-3)
+        outcome = run_scenario(scenario, folder, Report(picture=False))
+        assert outcome.error is not None
+        assert "c: doStep returned a status that FMI does not have" in outcome.error
 
 
 def test_numbers_out_of_range_are_one_sentence() -> None:

@@ -11,12 +11,10 @@ as the loop does without (three small C FMUs: 10 us per step against 0.4).
 
 from __future__ import annotations
 
-from collections import namedtuple
-
 import numpy as np
 from numba import njit
 
-from .loop_calls import (
+from .calls import (
     borrowed,
     call_state,
     call_step_2,
@@ -27,81 +25,34 @@ from .loop_calls import (
     pack,
     unpack,
 )
-
-OK, SET, STEP, GET, NOT_FINITE, SAVE, RESTORE, NOT_CONVERGED = range(8)
-"""What `advance` was doing when it stopped; OK: nothing wrong."""
-
-ENDED, STOOD, TOO_LARGE = 6, 7, 8
-"""In the place of an FMI status: the component ends the simulation, returns early without getting on, or does not hold
-a value of its input."""
-
-Transfers = namedtuple(
-    "Transfers",
-    [
-        "begin",  # (components + 1,) positions in `function`
-        "function",  # (t,) addresses of the set or get functions
-        "layout",  # (t,) data types of the values, positions in `loop_calls.LAYOUTS`
-        "reference_begin",  # (t + 1,) positions in `reference`
-        "size",  # (t,) numbers of values that the functions exchange
-        "direct",  # (t,) whether these are doubles that stand in `u` or `y` side by side, in the same order
-        "value_begin",  # (t + 1,) positions in `place` and `slot`
-        "place",  # (v,) positions in `u` or `y`
-        "slot",  # (v,) positions among the values that the function exchanges; variables that are one share them
-        "reference",  # (r,) value references, uint32
-    ],
+from .compiled import kept
+from .data import (
+    ENDED,
+    GET,
+    LAST_STATUS,
+    NOT_CONVERGED,
+    NOT_FINITE,
+    OK,
+    OUTSIDE,
+    RESTORE,
+    SAVE,
+    SET,
+    STEP,
+    STOOD,
+    TOO_LARGE,
+    Values,
 )
-"""The calls that set the inputs or get the outputs: one per component and type of variable."""
-
-Values = namedtuple("Values", ["real", "word"])
-"""Values as doubles and, where they are whole numbers, as integers of 64 bits; of the same length."""
-
-Plan = namedtuple(
-    "Plan",
-    [
-        "stage_begin",  # (stages + 1,) positions in `order`
-        "order",  # (components,) components, stage by stage
-        "handle",  # (components,) pointers to the instances
-        "version",  # (components,) major version of FMI
-        "period",  # (components,) communication steps that one step of a component takes
-        "flexible",  # (components,) whether the size of a step may change
-        "do_step",  # (components,) addresses of the functions that make a step
-        "get_state",  # (components,) addresses of the functions that get the state
-        "set_state",  # (components,) addresses of the functions that set the state
-        "state",  # (components,) pointers to the states before the step
-        "answer",  # (components, 2) what FMI 3.0 answers to a step: three flags and a time
-        "inputs",  # Transfers
-        "outputs",  # Transfers
-        "u",  # (inputs,) values that the components hold
-        "u_word",  # (inputs,) the same as whole numbers
-        "y",  # (outputs,) latest outputs
-        "y_word",  # (outputs,) the same as whole numbers
-        "wide",  # positions in `y` of whole numbers of 64 bits, which are recorded as such
-        "exact",  # (inputs,) whether an input is the whole number that feeds it
-        "source",  # (inputs,) position in `y` of what feeds an input
-        "gain",  # (inputs,) factor of the connection
-        "offset",  # (inputs,) offset of the connection
-        "share",  # (inputs,) share of the end of the step in what a component gets over it; 1: the latest
-        "u_before",  # (inputs,) values at the start of the step
-        "u_last",  # (inputs,) values of the sweep before
-        "u_scale",  # (inputs, 2) nominal size, largest size so far
-        "ending",  # (1,) component that asked to end the simulation with this step, -1: none
-        "sweeps",  # (4,) most sweeps per step, sweeps made, most in a step, input that converges last
-        "tolerance",  # (1,) change at which a sweep is the last, relative to the size
-        "scratch",  # (longest transfer,) for values that are not doubles
-        "bond_force",  # (bonds,) positions in `u` of forces on structures
-        "bond_velocity",  # (bonds,) positions in `y` of the velocities that belong to them
-        "bond_way",  # (bonds,) positions in `y` of the displacements that belong to them, -1: none
-        "bond_gain",  # (bonds, 2) force times velocity, and force times displacement, to W and J
-        "bond_owner",  # (bonds,) components that have the velocities
-        "bond_before",  # (bonds, 2) velocity and displacement before the step
-        "energy",  # (bonds, 2) energy that holding the forces adds, and energy into the structures [J]
-    ],
-)
-"""Everything that the loop reads and writes, resolved to indices before the run."""
+from .energy import count_energy, remember_motion
 
 
 @njit(inline="always")
-def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untyped-def]
+def _known(status):  # type: ignore[no-untyped-def]
+    """Return an FMI status, or `OUTSIDE` for what is none."""
+    return status if 0 <= status <= LAST_STATUS else OUTSIDE
+
+
+@njit(inline="always")
+def exchange_values(plan, transfers, t, c, values, setting):  # type: ignore[no-untyped-def]
     """Set or get the variables of transfer `t` of component `c`; return the FMI status."""
     first = transfers.reference_begin[t]
     count = transfers.reference_begin[t + 1] - first
@@ -126,7 +77,7 @@ def _exchange(plan, transfers, t, c, values, setting):  # type: ignore[no-untype
         for i in range(begin, end):
             k = transfers.place[i]
             values.real[k], values.word[k] = unpack(layout, address, transfers.slot[i])
-    return status
+    return _known(status)
 
 
 @njit(inline="always")
@@ -141,7 +92,7 @@ def _set_inputs(plan, c):  # type: ignore[no-untyped-def]
             share = plan.share[i]
             plan.u[i] = latest if share == 1.0 else (1.0 - share) * plan.u_before[i] + share * latest
             plan.u_word[i] = plan.y_word[plan.source[i]] if plan.exact[i] else np.int64(np.rint(plan.u[i]))
-        worst = max(worst, _exchange(plan, transfers, t, c, Values(plan.u, plan.u_word), True))
+        worst = max(worst, exchange_values(plan, transfers, t, c, Values(plan.u, plan.u_word), True))
     return worst
 
 
@@ -151,11 +102,11 @@ def _get_outputs(plan, c):  # type: ignore[no-untyped-def]
     transfers = plan.outputs
     worst = 0
     for t in range(transfers.begin[c], transfers.begin[c + 1]):
-        worst = max(worst, _exchange(plan, transfers, t, c, Values(plan.y, plan.y_word), False))
+        worst = max(worst, exchange_values(plan, transfers, t, c, Values(plan.y, plan.y_word), False))
     return worst
 
 
-@njit(cache=True)
+@kept()
 def exchange(plan, c, setting):  # type: ignore[no-untyped-def]
     """Bring the inputs of component `c` up to date, or get its outputs, between steps; return the FMI status."""
     if not setting:
@@ -180,11 +131,13 @@ def _do_step(plan, c, number, clock):  # type: ignore[no-untyped-def]
         step = stop - begin
     final = 1 if plan.sweeps[0] == 1 else 0  # whether the state before the step will not be asked for again
     if plan.version[c] == 2:
-        return call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
+        made: int = call_step_2(plan.do_step[c], plan.handle[c], begin, step, final)  # type: ignore[call-arg]
+        return _known(made)
     answer = plan.answer.ctypes.data + 16 * c
     end = begin + step
     while True:
         status: int = call_step_3(plan.do_step[c], plan.handle[c], begin, step, final, answer)  # type: ignore[call-arg]
+        status = _known(status)
         ends, early, reached = flag(answer, 1), flag(answer, 2), plan.answer[c, 1]
         if status > 2 or not (ends or early):
             return status
@@ -226,6 +179,7 @@ def _states(plan, functions, saving):  # type: ignore[no-untyped-def]
     for c in range(plan.handle.size):
         argument = plan.state.ctypes.data + 8 * c if saving else plan.state[c]
         status: int = call_state(functions[c], plan.handle[c], argument)  # type: ignore[call-arg]
+        status = _known(status)
         if status > 1:
             return (SAVE if saving else RESTORE), c, status
     return OK, 0, 0
@@ -275,40 +229,6 @@ def _step(plan, number, clock):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _remember_motion(plan):  # type: ignore[no-untyped-def]
-    """Remember the motion at the bonds before the next step."""
-    for b in range(plan.bond_force.size):
-        plan.bond_before[b, 0] = plan.y[plan.bond_velocity[b]]
-        if plan.bond_way[b] >= 0:
-            plan.bond_before[b, 1] = plan.y[plan.bond_way[b]]
-
-
-@njit(inline="always")
-def _count_energy(plan, number, h):  # type: ignore[no-untyped-def]
-    """Add the step's energy into the structures, and what holding the forces adds; remember the motion.
-
-    Into a structure: the held force times the way, which is exact; where there is no displacement the way is that of
-    the trapezoidal rule. Holding adds (F_held - F_new)/2 times the way, if the forces that a contact puts out are those
-    at the communication point; one that makes them for the step ahead keeps an account of its own.
-    """
-    for b in range(plan.bond_force.size):
-        c = plan.bond_owner[b]
-        if (number + 1) % plan.period[c] != 0:
-            continue
-        i = plan.bond_force[b]
-        velocity = plan.y[plan.bond_velocity[b]]
-        way = 0.5 * plan.period[c] * h * plan.bond_gain[b, 0] * (velocity + plan.bond_before[b, 0])
-        if plan.bond_way[b] >= 0:
-            displacement = plan.y[plan.bond_way[b]]
-            way = plan.bond_gain[b, 1] * (displacement - plan.bond_before[b, 1])
-            plan.bond_before[b, 1] = displacement
-        plan.bond_before[b, 0] = velocity
-        new = plan.gain[i] * plan.y[plan.source[i]] + plan.offset[i]
-        plan.energy[b, 0] += 0.5 * (plan.u[i] - new) * way
-        plan.energy[b, 1] += plan.u[i] * way
-
-
-@njit(inline="always")
 def put(row, words, begin, values, wide):  # type: ignore[no-untyped-def]
     """Record values from column `begin` of a row of doubles, or of the same memory as whole numbers of 64 bits."""
     for k in range(values.real.size):
@@ -318,14 +238,14 @@ def put(row, words, begin, values, wide):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _record(plan, row, words):  # type: ignore[no-untyped-def]
+def record_outputs(plan, row, words):  # type: ignore[no-untyped-def]
     """Record outputs and the energies into the structures."""
     put(row, words, 0, Values(plan.y, plan.y_word), plan.wide)
     for e in range(plan.energy.shape[0]):
         row[plan.y.size + e] = plan.energy[e, 1]
 
 
-@njit(cache=True)
+@kept()
 def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untyped-def]
     """Make `steps` steps and record every `every`-th and the last of all, also the last that was made before a fault.
 
@@ -347,17 +267,17 @@ def advance(plan, clock, first, steps, every, record):  # type: ignore[no-untype
     """
     plan = borrowed(plan)  # type: ignore[call-arg]
     rows = kept = 0  # `kept`: 1 if the row after those recorded holds the latest step, in case that the next one fails
-    _remember_motion(plan)
+    remember_motion(plan)
     for k in range(steps):
         what, component, status = _step(plan, first + k, clock)
         if what != OK:
             return k, rows + kept, what, component, status
-        _count_energy(plan, first + k, clock[1])
+        count_energy(plan, first + k, clock[1])
         for j in range(plan.y.size):
             if not np.isfinite(plan.y[j]):
                 return k, rows + kept, NOT_FINITE, j, 0
         number = first + k + 1
-        _record(plan, record[0][rows], record[1][rows])
+        record_outputs(plan, record[0][rows], record[1][rows])
         kept = 1
         if number % every == 0 or number == clock[2] or plan.ending[0] >= 0:
             rows, kept = rows + 1, 0

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import carray, njit, types  # type: ignore[attr-defined]
+from numba import carray, types  # type: ignore[attr-defined]
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from .compiled import kept
 
 LAYOUTS = tuple(
     np.dtype(name)
@@ -115,7 +117,7 @@ def borrowed(typing_context, arrays):  # type: ignore[no-untyped-def]  # noqa: A
     return arrays(arrays), generate
 
 
-@njit(cache=True)
+@kept()
 def flag(answer, number):  # type: ignore[no-untyped-def]
     """Return a flag of the answer to a step of FMI 3.0: event, end of the simulation, early return."""
     return carray(_pointer(answer), 3, np.uint8)[number] != 0  # type: ignore[call-arg]
@@ -133,7 +135,7 @@ _HIGHEST = np.array(
 _LOWEST[-1] = -(2**63)
 
 
-@njit(cache=True)
+@kept()
 def pack(layout, memory, k, value, word):  # type: ignore[no-untyped-def]
     """Write a value as element `k` at address `memory` in a layout; return whether it fits in there.
 
@@ -161,7 +163,7 @@ def pack(layout, memory, k, value, word):  # type: ignore[no-untyped-def]
     return _LOWEST[layout] <= word <= _HIGHEST[layout]
 
 
-@njit(cache=True)
+@kept()
 def unpack(layout, memory, k):  # type: ignore[no-untyped-def]
     """Return element `k` at address `memory` in a layout, as a double and as a whole number (0 if it is none)."""
     place = _pointer(memory)  # type: ignore[call-arg, var-annotated]
@@ -173,7 +175,7 @@ def unpack(layout, memory, k):  # type: ignore[no-untyped-def]
     return np.float64(np.uint64(word)) if layout == 10 else np.float64(word), word
 
 
-@njit(cache=True)
+@kept()
 def _whole(layout, place, k):  # type: ignore[no-untyped-def]
     """Return a whole number, one of 64 bits without sign bit by bit."""
     if layout == 2:
@@ -187,7 +189,7 @@ def _whole(layout, place, k):  # type: ignore[no-untyped-def]
     return carray(place, k + 1, np.int64)[k]
 
 
-@njit(cache=True)
+@kept()
 def _short(layout, place, k):  # type: ignore[no-untyped-def]
     if layout == 6:
         return np.int64(carray(place, k + 1, np.uint8)[k])
