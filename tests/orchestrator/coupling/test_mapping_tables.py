@@ -16,6 +16,7 @@ from orchestrator.errors import InputError, SimulationError
 from orchestrator.runs.export import export_system
 from orchestrator.runs.identity import difference, resolved
 from orchestrator.system.inspection import describe
+from orchestrator.system.model import Hop, MapTable
 from orchestrator.system.reader import read_system
 
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the test FMUs")
@@ -177,6 +178,26 @@ def test_tables_that_do_not_fit_are_refused(tmp_path: Path, change: str, message
     with pytest.raises(InputError) as caught:
         assemble(read_system(ssd))
     assert message in str(caught.value)
+
+
+def test_tables_on_one_way_are_looked_up_one_after_the_other(tmp_path: Path) -> None:
+    """As through the connectors of a system; what the second one does not have has no entry; no factor besides."""
+    count, same = counter(tmp_path, 3)
+    system = read_system(write_ssd(tmp_path / "s.ssd", {"a": count, "b": same}, [("a.n", "b.k")]))
+
+    def with_way(*hops: Hop) -> Assembly:
+        return assemble(replace(system, wires=(replace(system.wires[0], hops=hops),)))
+
+    first = Hop(table=MapTable("Integer", ((0, 3), (1, 5), (2, 7), (3, 3), (4, 5))))
+    found = run(with_way(first, Hop(), Hop(table=MapTable("Integer", ((3, -3), (5, 2), (7, 0), (0, 8))))))
+    assert found["b.m"] == [-3, 2, 0, -3, 2]
+    with pytest.raises(SimulationError, match=r"has no MapEntry for 2$"):
+        run(with_way(first, Hop(table=MapTable("Integer", ((3, -3), (5, 2))))))
+    for other in (Hop(factor=2.0, declared=True), Hop(table=MapTable("Boolean", ((True, False),)))):
+        with pytest.raises(
+            InputError, match=r"a\.n -> b\.k: IntegerMappingTransformation and a transformation of another"
+        ):
+            with_way(first, other)
 
 
 def test_a_real_input_takes_no_table(tmp_path: Path) -> None:
