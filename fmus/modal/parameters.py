@@ -7,7 +7,7 @@ for modes by name asks here, so that both spellings mean the same everywhere.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,29 @@ def numbered(name: str) -> tuple[str, int] | None:
     """
     match = _NUMBERED.fullmatch(name)
     return (match[1], int(match[2] or match[3])) if match else None
+
+
+def as_declared(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values under the names that a component declares, whatever the spelling of the FMU.
+
+    >>> as_declared({"friction_abscissa[2]": 0.01, "mu0": 0.3})
+    {'friction_abscissa_002': 0.01, 'mu0': 0.3}
+    """
+    return {name_of(*key) if (key := numbered(name)) else name: value for name, value in values.items()}
+
+
+def as_spelled(values: Mapping[str, Any], among: Container[str]) -> dict[str, Any]:
+    """Return values under the names that an FMU has for what a component declares; what it does not have stays.
+
+    >>> as_spelled({"friction_abscissa_002": 0.01, "mu0": 0.3}, {"friction_abscissa[2]", "mu0"})
+    {'friction_abscissa[2]': 0.01, 'mu0': 0.3}
+    """
+    result = {}
+    for name, value in values.items():
+        key = numbered(name)
+        element = f"{key[0]}[{key[1]}]" if key else name
+        result[element if name not in among and element in among else name] = value
+    return result
 
 
 def names_of(block: str, among: Iterable[str]) -> dict[int, str]:

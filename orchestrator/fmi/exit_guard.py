@@ -66,9 +66,10 @@ def tell_who_ends_the_process() -> None:
         os._exit(FAILED)
 
     def crashed(number: int) -> None:
-        libc.signal(number, None)  # the default, for what comes when this returns
+        libc.signal(number, None)
         name = signal.Signals(number).name
         _say(f"{_culprit(libc)} crashed ({name}); isolated, it would not take the run along")
+        libc["raise"](number)  # waits until this returns: an FMU that raised the signal itself would go on
 
     ending = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.c_void_p)(exited)
     crash = ctypes.CFUNCTYPE(None, ctypes.c_int)(crashed)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ..published.cases import PAPER_HZ
+from ..published.cases import PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.spectra import regular
@@ -73,6 +73,12 @@ class Section:
     def paper_hz(self) -> float | None:
         """Dominant frequency that the paper gives for this case."""
         return PAPER_HZ.get(str(self.attributes.get("case")))
+
+    @property
+    def meets_paper(self) -> bool:
+        """Whether the dominant tone is the paper's, within 1 %."""
+        f, paper = self.cycle.frequency_hz, self.paper_hz
+        return self.cycle.squeals and f is not None and paper is not None and abs(f / paper - 1) < SAME_TONE
 
     @property
     def summary(self) -> str:

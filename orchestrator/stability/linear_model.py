@@ -19,7 +19,7 @@ from fmus.contact.parameters import PARAMETERS
 from fmus.errors import DataError
 from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES, connections
 from fmus.modal.modes import Modes, mobility
-from fmus.modal.parameters import modes_of
+from fmus.modal.parameters import as_declared, modes_of
 
 from ..coupling.assembly import Assembly
 from ..coupling.contact_mobility import bonds_of, power_pairs
@@ -111,7 +111,8 @@ def model_of_assembly(assembly: Assembly, step: float, remember: Remember = lamb
     """
     names, plain = _places(assembly)
     known = {p.name for p in PARAMETERS}
-    law = {name: value for name, value in _numbers(assembly, names["contact"]).items() if name in known}
+    numbers = as_declared(_numbers(assembly, names["contact"]))
+    law = {name: value for name, value in numbers.items() if name in known}
     missing = sorted(known - law.keys())
     if missing:
         raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
@@ -158,7 +159,7 @@ def model_of(data: xr.Dataset) -> LinearModel:
         if modes is None:
             raise InputError(f"the results tell no modes of the {name}, so the poles of the system are not known")
         structures.append(modes)
-    law = {k: v for k, v in (values.get("contact") or {}).items() if not k.startswith("mobility_")}
+    law = {k: v for k, v in as_declared(values.get("contact") or {}).items() if not k.startswith("mobility_")}
     if not law or any(not isinstance(value, float) for value in law.values()):
         raise InputError("the results tell no parameters of the contact, so the poles of the system are not known")
     return LinearModel(structures[0], structures[1], linear_contact(law), _integrated(law))

@@ -19,6 +19,7 @@ from fmus.contact.linearised import STEP, LinearContact, linearise
 from fmus.contact.parameters import P
 from fmus.errors import DataError
 from fmus.modal.modes import Modes, mobility
+from fmus.modal.parameters import as_declared
 from fmus.rail.track import track_mobility
 from fmus.rail.track_data import Track
 
@@ -137,6 +138,8 @@ def linear_contact(parameters: Mapping[str, float] | None = None) -> LinearConta
     InputError
         For a parameter out of range, or an operating point where the slope of the friction law is undefined.
     """
+    if parameters is not None:
+        parameters = as_declared(parameters)
     try:
         _check_smooth(parameters)
         contact = linearise(parameters)

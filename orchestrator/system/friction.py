@@ -9,6 +9,7 @@ from typing import Any
 from fmus.contact.friction.file import read_friction
 from fmus.contact.friction.named import NAMED
 from fmus.errors import DataError
+from fmus.modal.parameters import as_spelled
 
 from ..errors import InputError
 from ..fmi.instance import Value
@@ -24,7 +25,7 @@ def with_friction(values: Mapping[str, Mapping[str, Value]], fmus: Mapping[str, 
         known = fmus[component].variables if component in fmus else {}
         if FRICTION in own and FRICTION not in known and "friction_law" in known:
             law = str(own.pop(FRICTION))
-            result[component] = friction_values(law, own)
+            result[component] = as_spelled(friction_values(law, own), known)
     return result
 
 
