@@ -197,8 +197,8 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     if (start.type, end.type) not in {*CONNECTABLE, ("Boolean", "Real")}:
         raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
     units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
-    ways = ((fmus[element], v) for (element, _), v in zip(ends, (start, end), strict=True))
-    return Link(wire, *through(wire.hops, units[0], units[1], where), lookup(wire.hops, *ways, where))
+    sides = (fmus[wire.start_element], start), (fmus[wire.end_element], end)
+    return Link(wire, *through(wire.hops, units[0], units[1], where), lookup(wire.hops, *sides, where))
 
 
 def _output(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fmi3_fmu import write_ssd
@@ -25,7 +27,7 @@ FOUR = Settings(0.25, 1.0, record_every=1)
 AROUND = {1: 2, 2: 3, 3: 4, 4: 1, 0: 9}
 
 
-def table_of(kind: str, entries: dict[object, object]) -> str:
+def table_of(kind: str, entries: Mapping[Any, object]) -> str:
     """Return a mapping transformation."""
     rows = "".join(f'<ssc:MapEntry source="{s}" target="{t}"/>' for s, t in entries.items())
     return f"<ssc:{kind}MappingTransformation>{rows}</ssc:{kind}MappingTransformation>"
