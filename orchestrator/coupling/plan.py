@@ -169,9 +169,13 @@ def _start(link: Link) -> Key:
 
 
 def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.int64]:
-    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables."""
-    kinds = [assembly.fmus[element].variables[name].fmi_type for element, name in keys]
-    return _whole([k for k, kind in enumerate(kinds) if kind in ("Int64", "UInt64")])
+    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables.
+
+    Enumerations of FMI 3.0 are such, too.
+    """
+    kinds = [(assembly.fmus[e].variables[name].fmi_type, assembly.fmus[e].version) for e, name in keys]
+    large = {("Int64", 3), ("UInt64", 3), ("Enumeration", 3)}
+    return _whole([k for k, kind in enumerate(kinds) if kind in large])
 
 
 def _is_exact(each: Input, assembly: Assembly) -> bool:

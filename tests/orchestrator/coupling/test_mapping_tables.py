@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +16,11 @@ from table_fmus import COMPILER, WHOLE_SLOTS, Rule, Table, Var
 from orchestrator.coupling.assembly import Assembly, assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError, SimulationError
+from orchestrator.results.file import open_results
 from orchestrator.runs.export import export_system
 from orchestrator.runs.identity import difference, resolved
+from orchestrator.runs.run import Report, run_scenario
+from orchestrator.runs.scenario import Scenario
 from orchestrator.system.inspection import describe
 from orchestrator.system.model import Hop, MapTable
 from orchestrator.system.reader import read_system
@@ -146,6 +150,36 @@ def test_items_and_truth_values_are_looked_up(tmp_path: Path) -> None:
     bad = connected(write_ssd(tmp_path / "i.ssd", parts, [("a.e", "b.e")]), table_of("Enumeration", {"low": "up"}))
     with pytest.raises(InputError, match=r"a\.e -> b\.e: MapEntry: e has no item 'up'; it has off, on"):
         assemble(read_system(bad))
+
+
+def of_items(table: Table, name: str, items: list[str]) -> Table:
+    """Return an FMU of FMI 3.0 whose Int64 of this name is an enumeration, its items counted from 1."""
+    rows = "".join(f'<Item name="{item}" value="{k}"/>' for k, item in enumerate(items, 1))
+    types = f'<TypeDefinitions><EnumerationType name="L">{rows}</EnumerationType></TypeDefinitions><ModelVariables>'
+    typed = re.sub(
+        f'<Int64 name="{name}"(.*?)(/>|></Int64>)', rf'<Enumeration declaredType="L" name="{name}"\1/>', table._xml3()
+    )
+    return replace(table, xml=typed.replace("<ModelVariables>", types))
+
+
+def test_items_of_fmi_3(tmp_path: Path) -> None:
+    """They have 64 bits: looked up, recorded and written as the whole numbers that they are."""
+    n, k, m = (Var("n", 1, "Int64", "output", WHOLE_SLOTS), Var("k", 1, "Int64", "input", WHOLE_SLOTS, 1),
+               Var("m", 2, "Int64", "output", WHOLE_SLOTS + 1))  # fmt: skip
+    count = Table("count", 3, (replace(n, start=1),), (Rule("s", "w", n.slot, 1.0, 1.0),), {"n": ()})
+    same = Table("same", 3, (k, m), (Rule("o", "w", m.slot, terms=((k.slot, 1.0),)),), {"m": ("k",)})
+    parts = {
+        "a": of_items(count, "n", ["low", "high", "top"]).write(tmp_path),
+        "b": of_items(same, "k", ["on", "off"]).write(tmp_path),
+    }
+    ssd = write_ssd(tmp_path / "s.ssd", parts, [("a.n", "b.k")], stop=0.5)
+    table = table_of("Enumeration", {"low": "off", "high": "on", "top": "off"})
+    outcome = run_scenario(
+        Scenario(str(connected(ssd, table)), step=0.25, record_every=1), tmp_path / "r", Report(picture=False)
+    )
+    with open_results(outcome.results) as data:
+        assert data["a.n"].dtype == "int64"
+        assert (data["a.n"].to_numpy().tolist(), data["b.m"].to_numpy().tolist()) == ([1, 2, 3], [2, 1, 2])
 
 
 def test_a_value_without_an_entry_ends_the_run(tmp_path: Path) -> None:
