@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
 from ..fmi.types import plain_type
 from ..system.model import Element, System, Wire
+from ..system.tables import lookup
 from ..system.values import component_values, elements_of, known, resized, through, variable_unit
 from .bonds import Bond, Link, _bonds, integrated_sides
 from .dependencies import Coupling, Node
@@ -127,6 +128,7 @@ def assemble(system: System, fmus: Mapping[str, Fmu] | None = None) -> Assembly:
     wires, rigid = without_rigid(system, fmus)
     links = tuple(_link(wire, system, fmus) for whole in wires for wire in _by_element(whole, fmus))
     _check_inputs(links, fmus)
+    _check_tables(links, fmus)
     values = {name: component_values(element, fmus[name]) for name, element in system.elements.items()}
     parameters = {name: v.values for name, v in values.items()}
     passed_over = (notice for v in values.values() for notice in v.notices)
@@ -195,13 +197,17 @@ def _link(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     if (start.type, end.type) not in {*CONNECTABLE, ("Boolean", "Real")}:
         raise InputError(f"{where}: {start.type} cannot be connected to {end.type}")
     units = [variable_unit(system.elements[element], fmus[element], connector, where) for element, connector in ends]
-    return Link(wire, *through(wire.hops, units[0], units[1], where))
+    sides = (fmus[wire.start_element], start), (fmus[wire.end_element], end)
+    return Link(wire, *through(wire.hops, units[0], units[1], where), lookup(wire.hops, *sides, where))
 
 
 def _output(wire: Wire, system: System, fmus: Mapping[str, Fmu]) -> Link:
     """Check an output of the system and find its conversion."""
     where, name = f"connection {wire}", wire.start_element
     known(wire.start_connector, fmus[name], where)
+    table = next((hop.table for hop in wire.hops if hop.table is not None), None)
+    if table is not None:
+        raise InputError(f"{where}: {table} to an output of the system; not supported")
     unit = variable_unit(system.elements[name], fmus[name], wire.start_connector, where)
     return Link(wire, *through(wire.hops, unit, wire.hops[-1].unit, where))
 
@@ -217,12 +223,27 @@ def _check_inputs(links: Iterable[Link], fmus: Mapping[str, Fmu]) -> None:
             continue
         if other.wire.end_connector == name:
             raise InputError(f"input {element}.{name} is fed by two connections")
-        same = (other.wire.start_element, other.wire.start_connector, other.gain, other.offset)
-        if same != (link.wire.start_element, link.wire.start_connector, link.gain, link.offset):
+        same, other_one = (
+            (x.wire.start_element, x.wire.start_connector, x.gain, x.offset, x.lookup) for x in (link, other)
+        )
+        if same != other_one:
             raise InputError(
                 f"inputs {element}.{other.wire.end_connector} and {element}.{name} are one variable (value reference "
                 f"{variable.valueReference}), and two connections feed it: {other.wire} and {link.wire}"
             )
+
+
+def _check_tables(links: Iterable[Link], fmus: Mapping[str, Fmu]) -> None:
+    """Raise InputError for an array that tables feed in part: a call sets the whole of it."""
+    by_table: dict[tuple[str, str], set[str]] = {}
+    for link in links:
+        if link.lookup is not None:
+            element, name = link.wire.end_element, link.wire.end_connector
+            by_table.setdefault((element, fmus[element].variables[name].array), set()).add(name)
+    for (element, array), found in by_table.items():
+        bare = [name for name in elements_of(array, fmus[element]) if name not in found]
+        if bare:
+            raise InputError(f"input {element}.{array}: mapping tables feed a part of it, not {bare[0]}; must be all")
 
 
 def _passed_over(contact: str | None, integrated: Iterable[str]) -> set[tuple[str, str]]:

@@ -9,15 +9,17 @@ from fmus.interface import CONTACT_DIRECTIONS, DIRECTIONS, DISPLACEMENT_DIRECTIO
 
 from ..fmi.file import Fmu
 from ..system.model import Wire
+from ..system.tables import Lookup
 
 
 @dataclass(frozen=True)
 class Link:
-    """A checked connection of two real variables: end = gain * start + offset in the units of the FMUs."""
+    """A checked connection: end = gain * start + offset in the units of the FMUs, or what the lookup has for it."""
 
     wire: Wire
     gain: float
     offset: float
+    lookup: Lookup | None = None
 
 
 @dataclass(frozen=True)

@@ -169,9 +169,13 @@ def _start(link: Link) -> Key:
 
 
 def wide(assembly: Assembly, keys: Sequence[Key]) -> NDArray[np.int64]:
-    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables."""
-    kinds = [assembly.fmus[element].variables[name].fmi_type for element, name in keys]
-    return _whole([k for k, kind in enumerate(kinds) if kind in ("Int64", "UInt64")])
+    """Return the positions of whole numbers of 64 bits, which a double need not hold, among some variables.
+
+    Enumerations of FMI 3.0 are such, too.
+    """
+    kinds = [(assembly.fmus[e].variables[name].fmi_type, assembly.fmus[e].version) for e, name in keys]
+    large = {("Int64", 3), ("UInt64", 3), ("Enumeration", 3)}
+    return _whole([k for k, kind in enumerate(kinds) if kind in large])
 
 
 def _is_exact(each: Input, assembly: Assembly) -> bool:
@@ -190,12 +194,14 @@ def transfers(
 ) -> data.Transfers:
     """Return the calls that set or get variables: one per component and type, and one for the texts of a component.
 
-    Variables that share a value reference are exchanged once.
+    Variables that share a value reference are exchanged once. An input that a table feeds is in no call but that of
+    the texts, and stands in the plan so that an iteration sees its source change.
     """
     own: dict[str, dict[str, list[int]]] = {}
     for place, (element, name) in enumerate(keys):
         kind = assembly.fmus[element].variables[name].fmi_type
-        own.setdefault(element, {}).setdefault(kind, []).append(place)
+        if direction == "Get" or texts is None or not texts.looks_up(element, name):
+            own.setdefault(element, {}).setdefault(kind, []).append(place)
     begin, functions, calls = [0], [], []
     for name, fmu in assembly.fmus.items():
         for kind, places in own.get(name, {}).items():

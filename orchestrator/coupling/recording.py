@@ -23,11 +23,18 @@ def recorded(fmus: Mapping[str, Fmu], wanted: Sequence[str] | None) -> list[tupl
     Raises
     ------
     InputError
-        If a pattern matches no variable that can be recorded.
+        If a pattern matches no variable that can be recorded, or nothing but texts: a row of results has a fixed size.
     """
     local = [(c, v) for c, fmu in fmus.items() for v in fmu.names("local") if fmu.variables[v].type in NUMERIC]
-    outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output")]
+    outputs = [(c, v) for c, fmu in fmus.items() for v in fmu.names("output") if fmu.variables[v].type in NUMERIC]
+    texts = [f"{c}.{name}" for c, fmu in fmus.items() for name, v in fmu.variables.items() if v.type == "String"]
     for pattern in wanted or ():
+        found = [name for name in texts if matches(name, pattern)]
+        if found and not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
+            raise InputError(
+                f"record {pattern}: {found[0]} is a text; results hold numbers only, a text can be connected but not "
+                "recorded"
+            )
         if not any(matches(f"{c}.{v}", pattern) for c, v in local + outputs):
             raise InputError(
                 f"record {pattern}: matches no output and no local variable that is a number; "

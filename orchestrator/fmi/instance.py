@@ -156,6 +156,10 @@ class FmuInstance:
         """Return variables of type String by name."""
         return [str(value) for value in self._get(names)]
 
+    def get_words(self, names: Sequence[str]) -> list[int]:
+        """Return whole numbers, truth values (0 or 1) and values of enumerations by name."""
+        return [int(value) for value in self._get(names)]
+
     def _get(self, names: Sequence[str]) -> list[Any]:
         """Return variables by name; those that share a value reference are got once."""
         reading = self._readings.get(tuple(names)) or self._reading(names)

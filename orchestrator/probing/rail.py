@@ -108,6 +108,8 @@ def _mapping_of_system(path: Path) -> dict[str, Signal]:
             continue
         if wire.offset:
             raise InputError(f"{path}: connection {wire} has an offset of {wire.offset:g}; a rail's must be 0")
+        if any(hop.table is not None for hop in wire.hops):
+            raise InputError(f"{path}: connection {wire} looks values up in a table; a rail's must not")
         if not all(hop.convert for hop in wire.hops):
             raise InputError(f"{path}: connection {wire} suppresses the conversion of units; a rail's must not")
         mapping[name.removeprefix("rail_")] = Signal(variable, factor, system.elements[element].units.get(variable))

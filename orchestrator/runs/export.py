@@ -166,7 +166,11 @@ def _add_connection(wires: Element, link: Link) -> None:
     plain = (link.gain, link.offset) == (1.0, 0.0) and all(hop.convert for hop in wire.hops)
     how = {} if plain else {"suppressUnitConversion": "true"}
     connection = SubElement(wires, tag("ssd", "Connection"), {key: v for key, v in ends.items() if v} | how)
-    if (link.gain, link.offset) != (1.0, 0.0) or any(hop.declared for hop in wire.hops):
+    if link.lookup is not None:
+        table = SubElement(connection, tag("ssc", str(link.lookup.table)))
+        for source, target in link.lookup.table.texts():
+            SubElement(table, tag("ssc", "MapEntry"), source=source, target=target)
+    elif (link.gain, link.offset) != (1.0, 0.0) or any(hop.declared for hop in wire.hops):
         SubElement(
             connection, tag("ssc", "LinearTransformation"), factor=repr(link.gain), offset=repr(link.offset)
         )  # fmt: skip

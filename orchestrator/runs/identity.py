@@ -43,7 +43,9 @@ def resolved(assembly: Assembly, settings: Settings) -> dict[str, Any]:
          float(link.gain), float(link.offset))
         for link in assembly.links
     )  # fmt: skip
+    tables = {str(link.wire): dict(link.lookup.numbers) for link in assembly.links if link.lookup is not None}
     return {
+        **({"tables": {w: [list(pair) for pair in sorted(t.items())] for w, t in tables.items()}} if tables else {}),
         "components": {name: component(fmu, assembly.parameters[name]) for name, fmu in assembly.fmus.items()},
         "links": [list(link) for link in links],
         "stages": dict(assembly.system.stages),

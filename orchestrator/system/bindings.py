@@ -10,8 +10,8 @@ from lxml import etree
 from ..errors import Fault
 from ..fmi.instance import Value
 from ..fmi.types import INTEGERS
-from .model import Hop, Parameter
-from .xml import SSD, SSM, SSV, Document, local
+from .model import Hop, MapTable, Parameter
+from .xml import SSC, SSD, SSM, SSV, Document, local
 
 _MIME = "application/x-ssp-"
 
@@ -132,11 +132,29 @@ def _transformed(parameter: Parameter, document: Document, entry: etree._Element
 
 def _looked_up(value: Value, document: Document, entry: etree._Element, change: etree._Element) -> Value:
     """Return the value that a mapping table has for another."""
-    kind = local(change).removesuffix("MappingTransformation")
-    read: Callable[[str], Value] = _READERS[kind]
-    if type(value) is not {"Boolean": bool, "Integer": int, "Enumeration": str}[kind]:
-        raise document.error(entry, f"a {local(change)} of {value!r}, which is not {kind}")
-    table = {read(item.get("source")): read(item.get("target")) for item in change}
+    found = mapping_table(document, entry, change)
+    if type(value) is not {"Boolean": bool, "Integer": int, "Enumeration": str}[found.kind]:
+        raise document.error(entry, f"a {found} of {value!r}, which is not {found.kind}")
+    table = dict(found.entries)
     if value not in table:
         raise document.error(entry, f"the table has no entry for {value!r}")
     return table[value]
+
+
+def mapping_table(document: Document, node: etree._Element, change: etree._Element) -> MapTable:
+    """Return a mapping transformation of a connection or a mapping entry; a value has one entry.
+
+    Parameters
+    ----------
+    node : begins messages
+    change : the transformation
+    """
+    kind = local(change).removesuffix("MappingTransformation")
+    read: Callable[[str], Value] = _READERS[kind]
+    table: dict[Value, Value] = {}
+    for item in change.iterfind(f"{SSC}MapEntry"):
+        source, target = read(item.get("source")), read(item.get("target"))
+        if table.setdefault(source, target) != target:
+            value = item.get("source")
+            raise document.error(node, f"the {local(change)} has two entries for {value!r}, and they differ")
+    return MapTable(kind, tuple(table.items()))

@@ -105,6 +105,7 @@ def _change(hops: tuple[Hop, ...]) -> str | None:
     for hop in hops:
         text = "" if hop.factor == 1.0 else f"* {hop.factor:g}"
         text += "" if hop.offset == 0.0 else f" {'-' if hop.offset < 0 else '+'} {abs(hop.offset):g}"
+        text += "" if hop.table is None else ", ".join(f"{s} becomes {t}" for s, t in hop.table.texts())
         text += "" if hop.convert else " (units as they are)"
         if hop.unit and hop is not hops[-1]:
             text += f" in {unit_name(hop.unit)}"

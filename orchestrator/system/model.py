@@ -15,6 +15,34 @@ from ..units import Unit, unit_name
 
 
 @dataclass(frozen=True)
+class MapTable:
+    """A mapping transformation of SSP: values by values.
+
+    Attributes
+    ----------
+    kind : Boolean, Integer or Enumeration
+    entries : pairs of a value and what it becomes: true or false, whole numbers, names of items
+    """
+
+    kind: str
+    entries: tuple[tuple[Value, Value], ...]
+
+    def then(self, other: MapTable) -> MapTable:
+        """Return one table for two; what the second one does not have drops out."""
+        further = dict(other.entries)
+        return MapTable(self.kind, tuple((s, further[t]) for s, t in self.entries if t in further))
+
+    def texts(self) -> list[tuple[str, str]]:
+        """Return the entries as files have them."""
+        words = [str(v).lower() if isinstance(v, bool) else str(v) for pair in self.entries for v in pair]
+        return list(zip(words[::2], words[1::2], strict=True))
+
+    def __str__(self) -> str:
+        """Return its name in SSP."""
+        return f"{self.kind}MappingTransformation"
+
+
+@dataclass(frozen=True)
 class Hop:
     """One step of a value's way: target = factor * (value in the target's unit) + offset.
 
@@ -24,6 +52,7 @@ class Hop:
     factor, offset : linear transformation, after the change of units
     convert : whether units are converted
     declared : whether the file states the transformation
+    table : looks the value up instead; None if there is none
     """
 
     unit: Unit | str | None = None
@@ -31,6 +60,7 @@ class Hop:
     offset: float = 0.0
     convert: bool = True
     declared: bool = False
+    table: MapTable | None = None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from lxml import etree
 from ..archive import unpack, zip_faults
 from ..errors import Fault, InputError
 from .annotations import read_component, read_settings
-from .bindings import bindings
+from .bindings import bindings, mapping_table
 from .graph import SOURCES, TARGETS, Graph, Port
 from .model import Connector, Element, Hop, Parameter, System, listing
 from .xml import SSB, SSC, SSD, Document, local, parse, read_document
@@ -217,16 +217,16 @@ def _read_connection(graph: Graph, place: _Place, node: etree._Element, kinds: M
         verb = "give" if start_gives else "take"
         raise document.error(node, f"both connectors {verb} values: {start} and {end}")
     source, target = (end, start) if start_gives is False or end_gives else (start, end)
-    factor, offset, declared = 1.0, 0.0, False
+    factor, offset, declared, table = 1.0, 0.0, False, None
     for change in node:
         if local(change) == "LinearTransformation":
             declared = True
             factor, offset = document.number(change, "factor", 1.0), document.number(change, "offset", 0.0)
         elif local(change).endswith("Transformation"):
-            raise document.error(node, f"a {local(change)} of a connection is not supported")
+            table = mapping_table(document, node, change)
     convert = node.get("suppressUnitConversion", "false") not in ("true", "1")
     unit = graph.connectors.get(target, Connector()).unit
-    graph.connect(source, target, Hop(unit, factor, offset, convert, declared), document.where(node))
+    graph.connect(source, target, Hop(unit, factor, offset, convert, declared, table), document.where(node))
 
 
 def _read_end(

@@ -206,6 +206,9 @@ def _convert(parameter: Parameter, kind: str, unit: Unit | str | None, items: di
     where : begins messages
     """
     value = parameter.value
+    table = next((hop.table for hop in parameter.hops if hop.table is not None), None)
+    if table is not None:
+        raise InputError(f"{where}: {table} of a connection that brings a start value; not supported")
     if kind in ("Real", "Float64", "Float32"):
         gain, offset = through(parameter.hops, parameter.unit, unit, where)
         return gain * _number(value, where) + offset

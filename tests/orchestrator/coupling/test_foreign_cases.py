@@ -16,6 +16,7 @@ from table_fmus import COMPILER
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError, SimulationError
+from orchestrator.fmi.instance import FmuInstance, open_fmu
 from orchestrator.results.file import open_results
 from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
@@ -78,6 +79,22 @@ def test_instances_that_share_their_statics_are_kept_apart(tmp_path: Path) -> No
         _, found, master = simulate(ssd, Settings(0.125, 1.0))
         assert (found["a.y"][-1], found["b.y"][-1]) == (1.0, 1.0)
         assert any("a process can have one instance of this FMU only" in notice for notice in master.notices)
+
+
+def test_a_look_beforehand_is_taken_in_a_process_of_its_own(tmp_path: Path) -> None:
+    """An instance that probes steps the statics of its process; the run that comes after begins anew, in this one."""
+    flags = f'{ANY_STEP} canBeInstantiatedOnlyOncePerProcess="true"'
+    fmu = foreign_fmu(tmp_path / "x.fmu", Y, step="static double T; T+=h; m->r[1]=T", attributes=flags)
+    probe = FmuInstance(open_fmu(fmu), "probe", scratch=True)
+    try:
+        probe.enter_initialization_mode(0.0, 1.0)
+        probe.exit_initialization_mode()
+        probe.do_step(0.0, 0.5)
+        assert (probe.apart, probe.get_real(["y"])) == (True, [0.5])
+    finally:
+        probe.close()
+    _, found, master = simulate(write_ssd(tmp_path / "s.ssd", {"a": fmu}, []), Settings(0.125, 1.0))
+    assert (found["a.y"][-1], master.instances["a"].apart) == (1.0, False)
 
 
 def mass_and_spring(folder: Path) -> Path:

@@ -81,6 +81,18 @@ def test_all_types_go_through(tmp_path: Path, fmi: int) -> None:
         assert [found[f"b.{n}_out"].dtype.name for n in ("int64", "uint64", "uint8")] == ["int64", "uint64", "uint8"]
 
 
+def test_recording_of_a_text_is_refused(tmp_path: Path) -> None:
+    """By name or by a pattern that means texts alone; a wider one records the numbers."""
+    fmu = reference_fmu(tmp_path, "Feedthrough", 3)
+    assembly = assemble(read_system(write_ssd(tmp_path / "s.ssd", {"a": fmu}, [])))
+    for pattern in ("a.text_out", "*.text_*"):
+        with pytest.raises(InputError, match=r"^record .*: a\.text_(in|out) is a text; results hold numbers only"):
+            Master(assembly, Settings(STEP, 1.0, record=(pattern,)))
+    with Master(assembly, Settings(STEP, 1.0, record=("a.*_out",))) as master:
+        assert "a.int_out" in [column.name for column in master.signals()]
+        assert not [column.name for column in master.signals() if "text" in column.name]
+
+
 def test_a_number_that_does_not_fit_is_an_error(tmp_path: Path) -> None:
     fmu = reference_fmu(tmp_path, "Feedthrough", 3)
     system = read_system(write_ssd(tmp_path / "s.ssd", {"a": fmu, "b": fmu}, [("a.int64_out", "b.uint8_in")]))
