@@ -86,18 +86,21 @@ def verdict(data: xr.Dataset, summary: Summary, progress: Progress, spurious: Sp
     ----------
     data : its results
     """
-    trust, reasons = _trust(progress, spurious)
     if "wheel.v_lat" not in data:
+        trust, reasons = _trust(progress, spurious)
         said = "no wheel in the results, so it is not known whether it squeals"
         return Verdict(None, None, None, None, None, None, trust, reasons, said)
     cycle = limit_cycle(data)
+    growing = None if cycle.squeals else spurious.fastest
+    trust, reasons = _trust(progress, spurious, growing is not None)
     sound = _sound(data) if cycle.squeals else None
     band = None if sound is None else (sound.low_dba, sound.high_dba)
     level = None if sound is None else sound.level_dba
     irregular = cycle.irregular if cycle.squeals else None
     tone = cycle.frequency_hz if cycle.squeals and not irregular else None
     mode = None if tone is None else _mode(data, tone)
-    parts = [_words(cycle.squeals, tone, mode, summary.growth_rate)]
+    growth = growing[1] if growing else summary.growth_rate
+    parts = [_words(cycle.squeals, tone, mode, growth, growing and growing[0])]
     if irregular:
         parts[0] = f"squeals irregularly, without a tone (strongest line {cycle.frequency_hz:.0f} Hz)"
     if level is not None and band is not None:
@@ -108,11 +111,13 @@ def verdict(data: xr.Dataset, summary: Summary, progress: Progress, spurious: Sp
     return Verdict(cycle.squeals, tone, mode, level, band, cycle.steady, trust, reasons, ", ".join(parts), irregular)
 
 
-def _words(squeals: bool, tone: float | None, mode: str | None, growth: float | None) -> str:
+def _words(squeals: bool, tone: float | None, mode: str | None, growth: float | None, at_hz: float | None) -> str:
+    """Return the answer; `at_hz`: where the growth is, if that is known."""
     if squeals:
         return f"squeals at {tone:.1f} Hz" + (f", wheel mode {mode}" if mode else "")
     if growth is not None and growth > 0:
-        return f"does not squeal yet: grows by {growth:.3g} 1/s and is below {1e3 * SQUEAL_VELOCITY:g} mm/s"
+        where = "" if at_hz is None else f"{at_hz:.0f} Hz "
+        return f"does not squeal yet: {where}grows by {growth:.3g} 1/s and is below {1e3 * SQUEAL_VELOCITY:g} mm/s"
     return f"does not squeal: the wheel's lateral velocity stays below {1e3 * SQUEAL_VELOCITY:g} mm/s"
 
 
@@ -152,9 +157,11 @@ def energy_share(progress: Progress) -> float | None:
     return sum(progress.energy_residual.values()) / into if into > 0 else None
 
 
-def _trust(progress: Progress, spurious: Spurious) -> tuple[str, tuple[str, ...]]:
-    """Return how far the numbers can be trusted, and why not further."""
+def _trust(progress: Progress, spurious: Spurious, grows: bool = False) -> tuple[str, tuple[str, ...]]:
+    """Return how far the numbers can be trusted, and why not further; `grows`: what is silent now will not stay so."""
     reasons = []
+    if grows:
+        reasons.append("the run ends before it is seen what that grows to; take a longer one")
     if spurious.invented:
         reasons.append(f"the scheme makes {spurious.invented} stable modes unstable; take a smaller step")
     share = energy_share(progress)

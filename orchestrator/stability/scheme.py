@@ -113,11 +113,13 @@ class Spurious:
     largest : largest error of a growth rate below 5 kHz [1/s]; None if it is not known
     sentence : the figures, or why there are none
     invented : number of stable modes that it makes unstable
+    fastest : frequency [Hz] and exact growth rate [1/s] of what grows fastest; None if nothing does, or it is not known
     """
 
     largest: float | None
     sentence: str
     invented: int = 0
+    fastest: tuple[float, float] | None = None
 
 
 def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
@@ -127,4 +129,7 @@ def spurious_growth(assembly: Assembly, settings: Settings) -> Spurious:
         growth = growth_of_scheme(model, settings.step, settings.algorithm)
     except InputError as reason:
         return Spurious(None, f"not known: {reason}")
-    return Spurious(growth.modes.largest, growth.sentence(settings.algorithm, settings.step), growth.modes.invented)
+    m = growth.modes
+    k = int(m.exact.argmax()) if m.exact.size else None
+    fastest = None if k is None or m.exact[k] <= 0 else (float(m.frequency_hz[k]), float(m.exact[k]))
+    return Spurious(m.largest, growth.sentence(settings.algorithm, settings.step), m.invented, fastest)
