@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import shutil
 import stat
 import tempfile
 import zipfile
+import zlib
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 from lxml import etree
-from platformdirs import user_cache_path
 
+from .cache import cache_folder, mark_used, prune
 from .errors import Fault, InputError
 
 LARGEST_CONTENT = 2 << 30
@@ -51,9 +52,15 @@ def unpack(path: Path, what: str) -> Path:
         raise InputError(f"{path}: no such {what} file")
     if not zipfile.is_zipfile(path):
         raise InputError(f"{path}: not a zip archive, so not an {what}")
-    target = cache_folder() / sha256(path)[:32]
+    cached = cache_folder("unpacked")
+    target = cached / sha256(path)[:32]
     if target.is_dir():
-        return target
+        if _is_whole(target, path):
+            mark_used(target)
+            return target
+        with suppress(OSError):  # another process was faster
+            target.rename(tempfile.mkdtemp(dir=cached, prefix="damaged-"))
+    prune(cached)
     temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix="unpacking-"))
     try:
         with zipfile.ZipFile(path) as archive:
@@ -86,18 +93,14 @@ def zip_faults(path: Path) -> list[Fault]:
     return [Fault(f"{path}: entry {name!r} is the folder itself") for name in odd]
 
 
-def cache_folder() -> Path:
-    """Return the folder for unpacked archives; CURVESQUEAL_CACHE names another one.
-
-    PythonFMU cannot load from a path with `#`, `%` or letters outside ASCII; then a temporary folder is used.
-    """
-    folder = Path(os.environ.get("CURVESQUEAL_CACHE") or user_cache_path("curvesqueal")).absolute()
-    text = str(folder)
-    if not text.isascii() or "#" in text or "%" in text:
-        folder = Path(tempfile.gettempdir()) / f"curvesqueal-{os.getuid() if hasattr(os, 'getuid') else ''}"
-    folder = folder / "unpacked"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
+def _is_whole(folder: Path, path: Path) -> bool:
+    """Return whether a folder still has every file of an archive as it was packed."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = [e for e in archive.infolist() if not e.is_dir() and e.filename not in _FOLDER_ITSELF]
+            return all(zlib.crc32((folder / e.filename.replace("\\", "/")).read_bytes()) == e.CRC for e in entries)
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def _check_entries(archive: zipfile.ZipFile, path: Path) -> None:

@@ -15,7 +15,8 @@ from pathlib import Path
 from fmus.interface import INITIAL_DISPLACEMENT, INITIAL_VELOCITY
 from fmus.wheel.wheelset import Wheelset
 
-from ..archive import cache_folder, sha256
+from ..archive import sha256
+from ..cache import cache_folder
 from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.settings import Settings
 from ..errors import InputError
@@ -140,7 +141,7 @@ def _file(text: str) -> Path:
 
 def content_folder() -> Path:
     """Return where the FMUs of campaigns are kept, by checksum."""
-    return cache_folder().parent / "campaigns"
+    return cache_folder("campaigns")
 
 
 def keep(contents: Mapping[str, bytes]) -> None:

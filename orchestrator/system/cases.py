@@ -13,7 +13,7 @@ from fmus.errors import DataError
 from fmus.packaging.build import SSP_NAME, build
 from fmus.packaging.target import default_target
 
-from ..archive import cache_folder
+from ..cache import cache_folder
 from ..errors import InputError
 from .model import System
 from .reader import read_system
@@ -43,7 +43,7 @@ def built_ssp() -> Path:
     except DataError as error:
         raise InputError(f"the FMUs of the cases cannot be built here: {error}") from None
     digest.update(str(target).encode())
-    folder = cache_folder().parent / "built"
+    folder = cache_folder("built")
     final = folder / digest.hexdigest()[:32]
     if not final.is_dir():
         folder.mkdir(parents=True, exist_ok=True)

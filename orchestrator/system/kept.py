@@ -15,7 +15,7 @@ from fmus.packaging.build import build_fmu
 from fmus.packaging.target import default_target
 from fmus.rail.track_data import TRACKS, read_track
 
-from ..archive import cache_folder
+from ..cache import cache_folder
 from ..errors import InputError
 
 
@@ -78,7 +78,7 @@ def kept_fmu(kind: str, name: str, make: Callable[[], Component]) -> Path:
     InputError
         If the component cannot be made of its data.
     """
-    final = cache_folder().parent / kind / f"{name}.fmu"
+    final = cache_folder(kind) / f"{name}.fmu"
     if not final.is_file():
         try:
             component = make()

@@ -12,7 +12,8 @@ from block_systems import archive, block_fmu, component, description, inline, pa
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from orchestrator.archive import cache_folder, unpack
+from orchestrator.archive import unpack
+from orchestrator.cache import cache_folder
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.system.reader import read_system
@@ -22,7 +23,7 @@ from orchestrator.system.reader import read_system
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Unpack into a folder of the test's own; return it."""
     monkeypatch.setenv("CURVESQUEAL_CACHE", str(tmp_path / "cache"))
-    return cache_folder()
+    return cache_folder("unpacked")
 
 
 @pytest.fixture(scope="module")

@@ -68,7 +68,7 @@ def test_a_rail_by_name_is_built_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert rail_named("my.fmu") == Path("my.fmu")
     with pytest.raises(InputError, match=r"rail none: neither an .fmu, a track file nor one of bs113a, default"):
         rail_named("none")
-    monkeypatch.setattr(kept_structures, "cache_folder", lambda: tmp_path / "archives")
+    monkeypatch.setattr(kept_structures, "cache_folder", lambda kind: tmp_path / kind)
     kept = tmp_path / "rails"
     kept.mkdir()
     key = rail_key(TRACKS / "slab.toml")
