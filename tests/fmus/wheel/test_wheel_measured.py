@@ -140,6 +140,8 @@ def test_the_wheel_of_the_cases_survives_its_own_measurement() -> None:
     found = wheel_from_frf(f, measured(class158().modes, f, 0.01))
     wheel, rail = find_wheel("class158"), find_rail("modal")
     for case in read_cases():
+        if case.wheel != "wheel":  # made for another wheel, whose contact spring is another
+            continue
         structures, contact = case_inputs(case, wheel, rail)
         assert wheel.modes is not None
         rail_modes = NONE if structures.rail_modes is None else structures.rail_modes
