@@ -91,8 +91,8 @@ def test_stability_rows_of_the_bogie_in_the_curve() -> None:
     inner = {f: g for f, g in found["leading_inner"].items() if f > 300}
     assert inner == pytest.approx({418: 6.4, 1102: 5.1, 1976: 4.6, 2950: 2.6, 3977: 2.3}, rel=0.05)
     assert found["leading_outer"] == {}
-    # The other program has a loop gain of 1.08 at 418 Hz. Ours is at the threshold, -0.014 1/s: with spin of 0.76 1/m the
-    # creep forces of second order differ from its first-order ones by more than that.
+    # The other program has a loop gain of 1.08 at 418 Hz. Ours is at the threshold, -0.014 1/s: with spin of 0.76 1/m
+    # the creep forces of second order differ from its first-order ones by more than that.
     assert found["trailing_inner"] == {}
     assert found["trailing_outer"][1959] == pytest.approx(1.09, abs=0.05)
     assert wheels["leading_inner"].squeal is not None
