@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -128,6 +128,7 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
     error = None
     last = time.monotonic()
     told: list[float] = []
+    begun: list[Progress] = []  # after the first chunk, in which the loop may be compiled
     known = {} if keeping is None else resolved(master.assembly, master.settings)
 
     def follow(latest: Progress) -> None:
@@ -135,8 +136,11 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
         if keeping is not None and time.monotonic() - last >= keeping.every:
             write_checkpoint(keeping.path, scenario, master, results, known)
             last = time.monotonic()
-        if not told and latest.steps and latest.wall > SOON:
-            told.append(latest.wall / latest.steps * latest.total)
+        if not begun:
+            begun.append(replace(latest))
+        elif not told and latest.wall - begun[0].wall > SOON and latest.steps > begun[0].steps:
+            rate = (latest.wall - begun[0].wall) / (latest.steps - begun[0].steps)
+            told.append(rate * latest.total)
             if told[0] > LONG:
                 report.notice(f"this will take about {told[0] / 3600:.1f} h at the speed of the first steps")
         report.progress(latest)

@@ -25,7 +25,7 @@ from ..description.documentation import documentation_files
 from ..description.fmi2 import model_description
 from ..description.fmi3 import model_description3
 from ..description.terminals import terminal_files
-from .linker import FLAGS, Compiler, find_compiler, link
+from .linker import FLAGS, Compiler, find_compiler, link, with_cache
 from .lowering import lower, sizes_of
 from .platforms import PLATFORMS, Platform
 from .tables import component_header
@@ -83,6 +83,7 @@ def build_native_fmus(
     built = {}
     with tempfile.TemporaryDirectory(prefix="curvesqueal_") as temporary:
         scratch = Path(temporary)
+        compilers = {name: with_cache(compiler, scratch) for name, compiler in compilers.items()}
         objects = lower(components, [p.triple for p in chosen], scratch)
         for name, component in components.items():
             own = {p: objects[name, p.triple] for p in chosen}

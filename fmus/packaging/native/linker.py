@@ -6,12 +6,15 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
+
+from platformdirs import user_cache_path
 
 from .kept import keep, kept, key_of
 from .platforms import PLATFORMS, Platform, this_platform
@@ -39,11 +42,13 @@ class Compiler:
     name : with its version, for the build description
     command : how to call it
     is_zig : whether it takes Zig's targets
+    environment : variables that it needs besides those of this process
     """
 
     name: str
     command: tuple[str, ...]
     is_zig: bool
+    environment: tuple[tuple[str, str], ...] = ()
 
 
 @cache
@@ -58,6 +63,20 @@ def find_compiler(platform: str) -> Compiler | None:
         return None
     first = subprocess.run([own, "--version"], capture_output=True, text=True, check=True).stdout.splitlines()[0]
     return Compiler(first, (own,), False)
+
+
+def with_cache(compiler: Compiler, scratch: Path) -> Compiler:
+    """Return a compiler that has a place for what it keeps: without a home that can be written, Zig never ends."""
+    if not compiler.is_zig or "ZIG_GLOBAL_CACHE_DIR" in os.environ:
+        return compiler
+    try:
+        usual = user_cache_path("zig")
+        usual.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=usual):
+            return compiler
+    except OSError:
+        kept_in = str(scratch / "zig")
+        return replace(compiler, environment=(("ZIG_GLOBAL_CACHE_DIR", kept_in), ("ZIG_LOCAL_CACHE_DIR", kept_in)))
 
 
 def link(compiler: Compiler, platform: Platform, sources: Sequence[str], output: str, folder: Path) -> Path:
@@ -84,7 +103,8 @@ def link(compiler: Compiler, platform: Platform, sources: Sequence[str], output:
         library.write_bytes(content)
         return library
     command = [*compiler.command, *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    environment = {**os.environ, **dict(compiler.environment)}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{compiler.name} cannot link {output} for {platform.name}: {done.stderr.strip()}")
     keep(key, library.read_bytes())
