@@ -46,7 +46,6 @@ def built_ssp() -> Path:
     folder = cache_folder("built")
     final = folder / digest.hexdigest()[:32]
     if not final.is_dir():
-        folder.mkdir(parents=True, exist_ok=True)
         temporary = Path(tempfile.mkdtemp(dir=folder, prefix="building-"))
         try:
             build(temporary, target, only_cases=True)

@@ -84,7 +84,6 @@ def kept_fmu(kind: str, name: str, make: Callable[[], Component]) -> Path:
             component = make()
         except DataError as error:
             raise InputError(str(error)) from None
-        final.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=final.parent) as folder:
             temporary = Path(folder) / f"{component.name}.fmu"
             build_fmu(component, temporary)

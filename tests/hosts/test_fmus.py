@@ -12,7 +12,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
-from slaves import NAMES, H, Slave, signal
+from slaves import NAMES, H, Slave, assert_steps_as, signal
 
 from fmus.component import Component, Instance
 from fmus.contact.component import contact
@@ -86,19 +86,7 @@ def test_fmu_computes_what_the_component_computes(flavour: Path, declared: dict[
     """Over 1000 steps, to 1e-12 of each output's largest value (the machine code may differ, the text does not)."""
     component = declared[name]
     moving = {v.name: 1e-3 for v in component.of("parameter") if v.name.startswith("initial_velocity")}
-    slave, instance = Slave(flavour / f"{name}.fmu", moving), Instance(component, moving)
-    instance.initialise()
-    found, expected = [slave.outputs()], [instance.outputs.copy()]
-    for u in signal(component, 1000):
-        slave.set_inputs(u)
-        slave.step()
-        instance.inputs[:] = u
-        instance.do_step(H)
-        found.append(slave.outputs())
-        expected.append(instance.outputs.copy())
-    slave.close()
-    scale = abs(np.array(expected)).max(axis=0)
-    assert (abs(np.array(found) - expected).max(axis=0) <= 1e-12 * scale).all()
+    assert_steps_as(Slave(flavour / f"{name}.fmu", moving), Instance(component, moving), 1000)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from coupled import Coupled
+from master_runs import run
 
 from fmus.contact.component import contact
 from fmus.interface import DIRECTIONS, PAIRS
@@ -37,17 +38,6 @@ def case1(built: Path) -> System:
 @pytest.fixture(scope="module")
 def assembly(case1: System) -> Assembly:
     return assemble(case1)
-
-
-def run(system: System, settings: Settings, path: Path | None = None) -> tuple[Master, np.ndarray]:
-    """Run a system; return the master and its last outputs."""
-    with Master(assemble(system), settings) as master:
-        if path is None:
-            master.run()
-        else:
-            with ResultsFile(path, master.signals(), {"case": "test"}) as results:
-                master.run(results)
-        return master, master.plan.y.copy()
 
 
 @pytest.mark.parametrize("algorithm", ["staggered", "jacobi"])

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from master_runs import run
 from toy_fmus import toy_fmu, toy_ssd
 
 from orchestrator.coupling.assembly import assemble
@@ -26,17 +27,6 @@ from orchestrator.system.reader import read_system
 @pytest.fixture(scope="module")
 def case1(built: Path) -> System:
     return read_system(built / "curvesqueal.ssp")
-
-
-def run(system: System, settings: Settings, path: Path | None = None) -> tuple[Master, np.ndarray]:
-    """Run a system; return the master and its last outputs."""
-    with Master(assemble(system), settings) as master:
-        if path is None:
-            master.run()
-        else:
-            with ResultsFile(path, master.signals(), {"case": "test"}) as results:
-                master.run(results)
-        return master, master.plan.y.copy()
 
 
 @pytest.mark.parametrize(
