@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -71,9 +71,9 @@ class Host:
 
 
 @pytest.fixture(scope="module", params=["native", "native3", pytest.param("built", marks=pytest.mark.slow)])
-def host(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
+def host(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Host:
     """Return a host of the contact FMU in machine code, FMI 2.0 and 3.0, and of the one in Python."""
-    yield Host(request.getfixturevalue(request.param) / "contact.fmu", tmp_path_factory.mktemp("contact"))
+    return Host(request.getfixturevalue(request.param) / "contact.fmu", tmp_path_factory.mktemp("contact"))
 
 
 def attempt(call: Callable[..., None], *arguments: Any) -> None:

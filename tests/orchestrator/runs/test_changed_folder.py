@@ -17,7 +17,6 @@ from orchestrator.results.file import open_results
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler for the test FMU")
 
 
-
 def wanderer(folder: Path, elsewhere: Path, when: str) -> Path:
     """Write an SSD of an FMU that goes elsewhere when it is made, initialised or stepped."""
     goes = f'extern int chdir(const char*);chdir("{elsewhere}");'
@@ -26,9 +25,7 @@ def wanderer(folder: Path, elsewhere: Path, when: str) -> Path:
 
 
 @pytest.mark.parametrize("when", ["create", "init", "step"])
-def test_results_are_where_they_were_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when: str
-) -> None:
+def test_results_are_where_they_were_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when: str) -> None:
     """Results, picture and CSV, from relative paths."""
     here, elsewhere = tmp_path / "here", tmp_path / "elsewhere"
     here.mkdir(), elsewhere.mkdir()
