@@ -28,7 +28,8 @@ def wanderer(folder: Path, elsewhere: Path, when: str) -> Path:
 def test_results_are_where_they_were_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when: str) -> None:
     """Results, picture and CSV, from relative paths."""
     here, elsewhere = tmp_path / "here", tmp_path / "elsewhere"
-    here.mkdir(), elsewhere.mkdir()
+    here.mkdir()
+    elsewhere.mkdir()
     wanderer(here, elsewhere, when)
     monkeypatch.chdir(here)
     run = simulate(load("s.ssd", step=1e-3), folder="r", picture=True, csv=True)
@@ -42,7 +43,8 @@ def test_results_are_where_they_were_asked_for(tmp_path: Path, monkeypatch: pyte
 @pytest.mark.slow
 def test_commands_write_where_they_were_told_to(tmp_path: Path) -> None:
     here, elsewhere = tmp_path / "here", tmp_path / "elsewhere"
-    here.mkdir(), elsewhere.mkdir()
+    here.mkdir()
+    elsewhere.mkdir()
     wanderer(here, elsewhere, "create")
     done = curvesqueal(
         "run", "s.ssd", "--step", "1e-3", "--out", "r", "--replace", "c=goes.fmu", "--json",
