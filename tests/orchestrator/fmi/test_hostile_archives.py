@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from orchestrator.archive import unpack
-from orchestrator.cache import cache_folder
+from fmus.cache import cache_folder
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.system.reader import read_system
