@@ -1,4 +1,4 @@
-"""Numba's cache with checksums: a damaged, cut or empty file costs a compilation, and so does one that cannot be written.
+"""Numba's cache with checksums: a damaged, cut or empty file costs a compilation; so does one that cannot be kept.
 
 Numba takes its files as they are. A cut one ends the program, and a flipped bit in machine code is run.
 """

@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from .errors import DamageWarning, InputError, SimulationError
 from .fmi.exit_guard import tell_who_ends_the_process
+from .visible import visible
 
 Table = dict[str, tuple[str, str]]
 """Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
@@ -193,7 +194,7 @@ _python_warning = warnings.showwarning
 def _told_warning(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Show a warning of ours as a note; others as Python does."""
     if issubclass(category, DamageWarning):
-        sys.stderr.write(f"note: {message}\n")
+        sys.stderr.write(f"note: {visible(str(message))}\n")
     else:
         _python_warning(message, category, *where, **more)
 
@@ -207,7 +208,7 @@ def keep_standard_output() -> None:
 
 
 def _failed(sentence: str, code: int) -> int:
-    sys.stderr.write(f"{sentence}\n")
+    sys.stderr.write(f"{visible(sentence)}\n")
     return code
 
 

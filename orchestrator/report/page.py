@@ -21,6 +21,7 @@ from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import LinearModel, model_of
 from ..stability.scheme import growth_of_scheme
+from ..visible import visible
 from . import plots
 from .plots import Plot
 
@@ -157,8 +158,8 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     sound, silence = _sound(data)
     return Section(
         key=key,
-        title=str(data.attrs.get("title") or path.stem),
-        source=path.name,
+        title=visible(str(data.attrs.get("title") or path.stem)),
+        source=visible(path.name),
         attributes=dict(data.attrs),
         duration=data.sizes["time"] * sample_interval(data),
         cycle=cycle,
@@ -237,7 +238,7 @@ def render(sections: Sequence[Section], overview: Sequence[Plot]) -> str:
     return environment.get_template("report.html.jinja").render(
         sections=sections,
         overview=overview,
-        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
+        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         library=(TEMPLATES / "plotly-basic.min.js").read_text(encoding="utf-8"),
         script=(TEMPLATES / "report.js").read_text(encoding="utf-8"),
         style=(TEMPLATES / "report.css").read_text(encoding="utf-8"),

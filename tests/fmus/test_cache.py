@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.archive import unpack
 from fmus.cache import UNUSED, _prune_once, _root, cache_folder, prune
 from fmus.compile import compiled, kept_under
 from fmus.packaging.native.kept import keep, kept
+from orchestrator.archive import unpack
 
 
 @pytest.fixture(autouse=True)
@@ -103,7 +103,7 @@ def test_kernels_and_compiled_libraries_are_there_too(place: Path, tmp_path: Pat
     assert time.time() - stored.stat().st_mtime < 60
 
 
-@pytest.mark.parametrize("damage", [lambda b: b"", lambda b: b[: len(b) // 2], lambda b: b[:-9] + b"?" + b[-8:]])
+@pytest.mark.parametrize("damage", [lambda _: b"", lambda b: b[: len(b) // 2], lambda b: b[:-9] + b"?" + b[-8:]])
 def test_damaged_machine_code_is_compiled_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: Callable[[bytes], bytes]
 ) -> None:
