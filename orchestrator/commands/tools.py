@@ -15,6 +15,7 @@ from fmus.errors import DataError
 
 from ..errors import InputError
 from ..plain_json import dumps
+from ..streams import BROKEN
 from ..visible import visible
 
 
@@ -27,6 +28,12 @@ class Screen(Console):
     def render_str(self, text: str, **how: Any) -> Text:
         """Return a text to be shown; every text that is printed, also in tables and trees, comes through here."""
         return super().render_str(visible(text), **how)
+
+    def on_broken_pipe(self) -> None:
+        """End with the exit code that says so where nobody reads the output; messages may stay unread."""
+        self.quiet = True
+        if not self.stderr:
+            raise SystemExit(BROKEN)
 
     def print_json(self, *, data: Any) -> None:  # type: ignore[override]
         """Print data as one JSON text; numbers that are not finite are null there."""
