@@ -17,7 +17,8 @@ KINDS = {"f": np.float64, "g": np.float32, "i": np.int32, "w": np.int64, "b": np
 @pytest.mark.parametrize("rows", [0, 1, 7])
 def test_both_readers_say_the_same(tmp_path: Path, names: str, rows: int) -> None:
     """Of files with and without 64-bit whole numbers, and of a run that was stopped before its first row."""
-    values = np.random.default_rng(rows).integers(0, 2, (rows, len(names))).astype(float)
+    values = np.zeros((rows, len(names)))
+    values[:] = np.random.default_rng(rows).integers(0, 2, values.shape)
     for k, name in enumerate(names):
         if name == "w":
             values.view(np.int64)[:, k] = 2**62 + np.arange(rows)
