@@ -24,7 +24,7 @@ def test_both_readers_say_the_same(tmp_path: Path, names: str, rows: int) -> Non
             values.view(np.int64)[:, k] = 2**62 + np.arange(rows)
     columns = [Column(f"a.{name}", "m/s", "", np.dtype(KINDS[name])) for name in names]
     with ResultsFile(tmp_path / "r.nc", columns, {"title": "t", "step_s": 0.5}) as file:
-        file.append(np.arange(rows) * 0.5, values)
+        file.append(0.5 * np.arange(float(rows)), values)
     found = read_samples(tmp_path / "r.nc")
     with open_results(tmp_path / "r.nc") as expected:
         assert set(found) == {str(name) for name in expected.variables}
