@@ -74,6 +74,8 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     """
     if report.parquet:
         require_parquet()
+    scenario, folder = scenario.absolute(), folder.absolute()  # an FMU may change the working directory
+    keeping = None if keeping is None else replace(keeping, path=keeping.path.absolute())
     assembly, settings = scenario.prepare()
     if report.trial:
         try_replaced(assembly, settings)
@@ -98,6 +100,7 @@ def resume(checkpoint: Path, report: Report, every: float = Keeping.every) -> Ou
     InputError
         If the checkpoint, its results or its FMUs are not there or not the same.
     """
+    checkpoint = checkpoint.absolute()
     kept = read_checkpoint(checkpoint)
     assembly, settings = kept.scenario.prepare()
     kept.check(assembly, settings)
