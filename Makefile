@@ -15,7 +15,7 @@ help:  ## list the targets
 	$(BIN)/pip install --quiet --editable '.[dev]' && touch $@
 
 run: .venv/user  ## install, build the FMUs, simulate Case 1; results and picture in results/
-	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1
+	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1 --picture
 
 test: lint types layers  ## lint, types, layers, tests and doctests
 	$(BIN)/python -m pytest -n 2 -m "not slow"

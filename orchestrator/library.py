@@ -80,7 +80,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
         record_every=record_every,
         timeout=timeout,
         strict=strict,
-    )
+    ).absolute()
     scenario.prepare()
     return scenario if start_cycle is None else on_cycle(scenario, start_cycle)
 

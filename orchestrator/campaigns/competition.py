@@ -19,6 +19,7 @@ from ..runs.scenario import Scenario
 from ..signals.tones import SAME_TONE, Tone, tones_of_runs
 from .ends import Ends, missing_words
 from .plan import Plan, make_plan
+from .prepared import pack
 from .rows import DONE, FAILED
 from .store import open_campaign
 from .sweep import How, sweep
@@ -106,7 +107,7 @@ def compete(plan: Plan, folder: Path, how: How) -> Ended:
         If the system cannot be run.
     """
     name = f"competition-{Path(plan.base.system).stem}"
-    store = folder / f"{name}-{plan.digest[:8]}.zarr"
+    store = folder / f"{name}-{pack(plan)[0].digest[:8]}.zarr"
     kin = tuple(path for path in sorted(folder.glob(f"{name}-*.zarr")) if path != store)
     ended = sweep(plan, store, how, kin)
     data = open_campaign(store).load()

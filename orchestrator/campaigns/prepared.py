@@ -6,10 +6,12 @@ once and keeps what it has prepared.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 from fmus.interface import INITIAL_DISPLACEMENT, INITIAL_VELOCITY
@@ -53,6 +55,21 @@ class Campaign:
     settings: Settings
     sources: Mapping[str, str]
     names: Mapping[str, str]
+
+    @cached_property
+    def system_digest(self) -> str:
+        """Hash of the base and of how it is run: FMUs, values, wires; where its files lie does not count."""
+        elements = {
+            name: replace(e, parameters={key: replace(p, origin=None) for key, p in sorted(e.parameters.items())})
+            for name, e in self.system.elements.items()
+        }
+        plain = replace(self.system, name="", path=Path(), elements=elements, variants=(), notices=())
+        return hashlib.sha256(repr((plain, self.settings, sorted(self.sources.items()))).encode()).hexdigest()
+
+    @property
+    def digest(self) -> str:
+        """Hash of the plan and of the system that it is for."""
+        return hashlib.sha256(f"{self.plan.digest} {self.system_digest}".encode()).hexdigest()
 
 
 @dataclass
