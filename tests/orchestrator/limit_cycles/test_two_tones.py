@@ -49,7 +49,7 @@ def strongest(signal: np.ndarray, near_hz: float) -> tuple[float, float]:
     time, window = STEP * np.arange(signal.size), np.hanning(signal.size + 1)[:-1]
 
     def minus_amplitude(f: float) -> float:
-        return -2 * abs(np.sum(signal * window * np.exp(-2j * np.pi * f * time))) / window.sum()
+        return -2 * float(abs(np.sum(signal * window * np.exp(-2j * np.pi * f * time))) / window.sum())
 
     found = minimize_scalar(minus_amplitude, bounds=(near_hz - 0.5, near_hz + 0.5), method="bounded")
     return float(found.x), -float(found.fun)
