@@ -11,6 +11,9 @@ MAX_EVALUATIONS = 60
 TOLERANCE = 1e-4
 """Largest residual of the creep forces, relative to mu0 N, that is left to a last Newton step without a check."""
 
+TOLERANCE_WITH_MEMORY = 1e-6
+"""The same with memory, where what is left would be a force that no traction carries."""
+
 
 @kernel
 def renew_newton_matrix(parameters, derived, state, v, g, load):  # type: ignore[no-untyped-def]
@@ -33,7 +36,7 @@ def renew_newton_matrix(parameters, derived, state, v, g, load):  # type: ignore
 
 
 @kernel
-def _renew_with_memory(parameters, derived, state, v, g, load, change):  # type: ignore[no-untyped-def]
+def renew_with_memory(parameters, derived, state, v, g, load, change):  # type: ignore[no-untyped-def]
     """Put the inverse of minus the slope of the residual into the state, by forward differences in the forces."""
     delta = 1e-6 * (static_friction(parameters, derived) * parameters[P.normal_load] + 1.0)
     y = D.mobility
@@ -118,12 +121,14 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
     thirds; then it is renewed; then the step is halved until the residual falls.
     """
     load = f_normal + parameters[P.normal_load]
+    memory = parameters[P.creep_law] == WITH_MEMORY
+    tolerance = TOLERANCE_WITH_MEMORY if memory else TOLERANCE
     x = (state[S.f_lon] + state[S.d_lon], state[S.f_lat] + state[S.d_lat], state[S.f_spin] + state[S.d_spin])
     r, size, w, g = _residual(parameters, derived, state, v, x, f_normal, pulse)
     evaluations = 1
     fresh = False
     part = 1.0
-    while size > TOLERANCE and evaluations < MAX_EVALUATIONS:
+    while size > tolerance and evaluations < MAX_EVALUATIONS:
         x_new = _newton_step(state, r, x, part)
         r_new, size_new, w_new, g_new = _residual(parameters, derived, state, v, x_new, f_normal, pulse)
         evaluations += 1
@@ -132,8 +137,8 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
             fresh = False
             part = 1.0
         elif not fresh:
-            if parameters[P.creep_law] == WITH_MEMORY:
-                _renew_with_memory(parameters, derived, state, w, g, load, change_to(derived, state, x, pulse))
+            if memory:
+                renew_with_memory(parameters, derived, state, w, g, load, change_to(derived, state, x, pulse))
             else:
                 renew_newton_matrix(parameters, derived, state, w, g, load)
             evaluations += 3

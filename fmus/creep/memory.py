@@ -25,9 +25,9 @@ def tangential_stiffness(a, b, shear_modulus, poisson):  # type: ignore[no-untyp
 
     Notes
     -----
-    R. D. Mindlin, J. Appl. Mech. 16 (1949) 259-268: the traction F/(2 pi a b) (1 - (x/a)^2 - (y/b)^2)^-1/2 displaces the
-    whole ellipse by the same way. At its centre Cerruti's solution, integrated along rays of length r(t), leaves a mean over
-    their directions, for two equal bodies F/(4 pi G a b) int r (1 - nu + nu cos^2 t) dt; sin^2 laterally.
+    R. D. Mindlin, J. Appl. Mech. 16 (1949) 259-268: the traction F/(2 pi a b) (1 - (x/a)^2 - (y/b)^2)^-1/2 displaces
+    the whole ellipse by the same way. At its centre Cerruti's solution, integrated along rays of length r(t), leaves a
+    mean over their directions, for two equal bodies F/(4 pi G a b) int r (1 - nu + nu cos^2 t) dt; sin^2 laterally.
 
     >>> lon, lat = tangential_stiffness(5e-3, 5e-3, 80e9, 0.3)
     >>> round(lon / (4 * 80e9 * 5e-3 / (2 - 0.3)), 12), round(lat / lon, 12)
@@ -46,7 +46,7 @@ def tangential_stiffness(a, b, shear_modulus, poisson):  # type: ignore[no-untyp
 
 @kernel
 def series_compliances(a, b, shear_modulus, poisson, L1, L2):  # type: ignore[no-untyped-def]
-    """Return what all strips share, longitudinal and lateral [m/N]; 0 where they are softer than the ellipse as it is."""
+    """Return what all strips share, longitudinal and lateral [m/N]; 0 where strips are softer than the ellipse."""
     lon, lat = tangential_stiffness(a, b, shear_modulus, poisson)
     area = math.pi * a * b
     return max(1.0 / lon - L1 / area, 0.0), max(1.0 / lat - L2 / area, 0.0)
@@ -69,8 +69,8 @@ def carry(  # type: ignore[no-untyped-def]
     way : float
         How far the particles have gone [m]; beyond 1e30 nothing of the past is left.
     tractions, place : array and int
-        Tractions at the centres of the cells, from position `place`: cells times strips longitudinal ones, strips side by
-        side, then the lateral ones [Pa].
+        Tractions at the centres of the cells, from position `place`: cells times strips longitudinal ones, strips side
+        by side, then the lateral ones [Pa].
     keep : bool
         Whether to write the new tractions there.
 
@@ -81,8 +81,8 @@ def carry(  # type: ignore[no-untyped-def]
     step, stable for any way. It rests where the steady law is, to rounding. An even displacement of all particles it
     carries exactly; it smears what differs from cell to cell.
 
-    In the step of second order that FASTSIM makes where it slides, part of the sliding counts on the way from the centre.
-    Here it does in the share in which the cell slides now.
+    In the step of second order that FASTSIM makes where it slides, part of the sliding counts on the way from the
+    centre. Here it does as far as the cell slides now.
     """
     f_lon = f_lat = moment = 0.0
     for first in range(0, strips, BLOCK):
@@ -127,18 +127,17 @@ def _block(  # type: ignore[no-untyped-def]
             cut, kept = cut_at_centre(
                 lon, lat, limit, scratch[slip_ + j], slip_lat + here * edge, 0.5 * way * edge, 0.0, rise * root
             )
-            over = math.sqrt(lon * lon + lat * lat) - limit
+            away = (cut - kept) * math.sqrt(lon * lon + lat * lat)
             new_lon = tractions[p_lon + j] + part * (lon - tractions[p_lon + j])
             new_lat = tractions[p_lat + j] + part * (lat - tractions[p_lat + j])
             size = math.sqrt(new_lon * new_lon + new_lat * new_lat + TINY)
-            share = min(max(size - limit, 0.0) / max(part * over, TINY), 1.0)
+            away = min(1.0, max(size - limit, 0.0) / (part * away + TINY)) * (cut - kept)
             factor = min(limit / size, 1.0)
             new_lon *= factor
             new_lat *= factor
             if keep:
                 tractions[p_lon + j] = new_lon
                 tractions[p_lat + j] = new_lat
-            away = share * (cut - kept)
             scratch[lon_ + j] = new_lon - away * lon
             scratch[lat_ + j] = new_lat - away * lat
             scratch[sum_lon_ + j] += length * new_lon

@@ -80,7 +80,7 @@ def cell(k, cells, graded):  # type: ignore[no-untyped-def]
 
 @kernel
 def prepare(slip_lon, spin_lon, a, b, strips, first, count, scratch, at):  # type: ignore[no-untyped-def]
-    """Put half-length, root 1 - (y/b)^2 and longitudinal slip of `count` strips from number `first` into the scratch."""
+    """Put half-length, root 1 - (y/b)^2 and longitudinal slip of strips from number `first` on into the scratch."""
     dy = 2.0 * b / strips
     for j in range(count):
         y = -b + (first + j + 0.5) * dy
