@@ -63,6 +63,7 @@ COMMANDS: Table = {
         "pages.listen",
         "Make the sound of a run, or of a case that is run first, as a WAV file.",
     ),
+    "picture": ("pages.picture", "Draw histories and spectra of a run from its results."),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
     "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -47,11 +48,14 @@ def run(  # noqa: PLR0913 - one argument per option
         list[str] | None,
         typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results"),
     parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
     isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
     timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
     csv: Csv = False,
+    picture: Annotated[
+        bool, typer.Option("--picture", help="Draw histories and spectra, too; `picture` does so later.")
+    ] = False,
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
     strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
@@ -60,7 +64,7 @@ def run(  # noqa: PLR0913 - one argument per option
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
 
-    Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
+    Leaves results (NetCDF), of which `picture`, `report` and `listen` make more; prints the verdict, levels, energies.
     """
     scenario = changes.scenario(
         system,
@@ -80,7 +84,7 @@ def run(  # noqa: PLR0913 - one argument per option
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with run_bar() as progress:
         outcome = running.run_scenario(
-            scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
+            scenario, out, running.Report(progress, notice, csv, picture, parquet, check), keeping
         )
     _tell(outcome, json)
 
@@ -142,7 +146,9 @@ def _show(outcome: Outcome) -> None:
         "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
         "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
         "results": str(outcome.results),
-        "picture": str(outcome.picture),
+        "picture": f"curvesqueal picture {quote(str(outcome.results))}"
+        if outcome.picture is None
+        else str(outcome.picture),
     }
     for label, text in lines.items():
         screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)
