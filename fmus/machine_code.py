@@ -16,19 +16,19 @@ from numba.core.caching import IndexDataCacheFile
 _DIGEST = 32
 
 
-class CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
+class CheckedFiles(IndexDataCacheFile):
     """The index of a function and the files of its machine code, as Numba has them, with a checksum before each."""
 
     def load(self, key: Any) -> Any:
         """Return what is kept under a key; None if there is nothing or it is not what was written."""
         with suppress(Exception):  # pickles of another version raise whatever they like
-            return super().load(key)
+            return super().load(key)  # type: ignore[no-untyped-call]
         return None
 
     def save(self, key: Any, data: Any) -> None:
         """Keep something where that is possible."""
         with suppress(OSError):
-            super().save(key, data)
+            super().save(key, data)  # type: ignore[no-untyped-call]
 
     def _load_index(self) -> dict[Any, str]:
         with suppress(Exception):

@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -114,7 +115,7 @@ def test_damaged_machine_code_is_compiled_again(
     double, folder = import_module(module).double, tmp_path / "kernels"
 
     def hits() -> int:
-        made = compiled(double, str(folder))
+        made: Any = compiled(double, str(folder))
         assert made(21.0) == 42.0
         return sum(made.stats.cache_hits.values())
 

@@ -105,11 +105,17 @@ def test_a_run_shows_the_names_that_files_give(
 def test_a_report_shows_titles_and_has_its_figures(tmp_path: Path, name: str) -> None:
     """The figures of the page are JSON in a script element, which no title ends or opens again."""
     path = tmp_path / f"{file_stem(name)}.nc"
-    time = STEP * np.arange(1, 4001)
+    time = np.linspace(STEP, 4000 * STEP, 4000)
     signal = 0.1 * np.sin(2 * np.pi * 1000 * time)
-    about = {"title": visible(name), "case": visible(name), "step_s": STEP, "record_every": 1, "algorithm": "staggered"}
+    about: dict[str, str | float | int] = {
+        "title": visible(name),
+        "case": visible(name),
+        "step_s": STEP,
+        "record_every": 1,
+        "algorithm": "staggered",
+    }
     with ResultsFile(path, [Column(f"{b}.v_lat", "m/s", "") for b in ("wheel", "rail")], about) as file:
-        file.append(time, np.column_stack([signal, 0.1 * signal]))
+        file.append(time, np.column_stack([signal, 0.1 * signal]).astype(np.float64))
     page = write_report([path], tmp_path).read_text(encoding="utf-8")
     found = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page, re.DOTALL)
     assert found is not None
