@@ -56,7 +56,7 @@ paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper 
 	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios
-	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py && $(BIN)/python benchmarks/setup.py
+	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py && $(BIN)/python benchmarks/setup.py && $(BIN)/python benchmarks/cycles.py
 
 clean:  ## remove what was built
 	rm -rf build results .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis

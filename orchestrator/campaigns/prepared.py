@@ -31,6 +31,7 @@ from ..stability.tracking import TrackedPoles
 from ..system.cases import find_system
 from ..system.model import Element, System, listing
 from ..system.values import component_values
+from .ends import Ends
 from .factors import SEED, START_HZ
 from .plan import Plan, split
 from .shipped import shipped_fmu
@@ -81,12 +82,14 @@ class Workshop:
     structures : what is known of them, by the hash of FMU and values
     poles : of the system that was looked at last
     wheelsets : by the hash of FMU and values; None: not known
+    ends : cycles that runs may end in, by the hashes of the components and the tone; None: no pole is near
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
     structures: dict[str, Structure] = field(default_factory=dict)
     poles: TrackedPoles = field(default_factory=TrackedPoles)
     wheelsets: dict[str, Wheelset | None] = field(default_factory=dict)
+    ends: dict[str, Ends | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -97,11 +100,13 @@ class Prepared:
     ----------
     assembly, settings : what to run and how
     workshop : what the process keeps
+    compare : whether the end of a run is looked for among the limit cycles
     """
 
     assembly: Assembly
     settings: Settings
     workshop: Workshop
+    compare: bool = True
 
 
 def pack(plan: Plan) -> tuple[Campaign, dict[str, bytes]]:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.modal.data import read_modal_data
 from fmus.modal.parameters import block_of, modal_velocities
-from fmus.wheel.areas import estimated_wheelset
+from fmus.wheel.areas import UNCERTAINTY_DB, estimated_wheelset, given_wheelset
 from fmus.wheel.class158 import class158
+from fmus.wheel.imported import read_modes
 from fmus.wheel.inferred import inferred
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
@@ -103,11 +103,15 @@ def _named(wheel: str) -> Wheelset:
         return own[wheel]()
     path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
     try:
-        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
-            data = read_modal_data(path)
-            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
-            return estimated_wheelset(data.modes, title)
-        return read_wheelset(path)
+        text = path.read_text(encoding="utf-8")
+        if path.suffix.lower() != ".csv" and "[[mode]]" not in text:
+            return read_wheelset(path)
+        read = read_modes(path)
+        if read.areas is not None:
+            return given_wheelset(read.modes, read.areas, f"{path.stem}; areas as its file has them")
+        sure, others = UNCERTAINTY_DB.values()
+        title = f"{path.stem}; areas estimated from labels, (n,0) within {sure:g} dB, others {others:g} dB"
+        return estimated_wheelset(read.modes, title)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 

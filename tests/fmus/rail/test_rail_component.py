@@ -79,7 +79,7 @@ def test_unreachable_angular_frequencies_move_by_one_rounding(omega: float) -> N
         ("0.0621", "inf", r"shape ver must be a number from -1e\+06 to 1e\+06; got inf"),
         ("ver =", "vert =", r"mode 1 \(first\), shape: 'vert' is unknown; must be one of lat, lon, spin, ver"),
         ("{ ver = 0.0621 }", "0.0621", r"shape must be a table of directions; got 0.0621"),
-        ("damping_ratio", "damping", r"mode 1 \(first\): 'damping' is unknown; must be one of damping_ratio, fre"),
+        ("damping_ratio", "damping", r"mode 1 \(first\): 'damping' is unknown; must be one of area_axial, area"),
         ('"first"', "1", r"modes.toml, mode 1: label must be a text; got 1"),
         ('"assumed"', '""', r"modes.toml: source must be a text; got ''"),
         ('title = "a rail"\n', "", r"modes.toml: title must be a text; got nothing"),
