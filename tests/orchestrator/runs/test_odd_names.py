@@ -107,13 +107,8 @@ def test_a_report_shows_titles_and_has_its_figures(tmp_path: Path, name: str) ->
     path = tmp_path / f"{file_stem(name)}.nc"
     time = np.linspace(STEP, 4000 * STEP, 4000)
     signal = 0.1 * np.sin(2 * np.pi * 1000 * time)
-    about: dict[str, str | float | int] = {
-        "title": visible(name),
-        "case": visible(name),
-        "step_s": STEP,
-        "record_every": 1,
-        "algorithm": "staggered",
-    }
+    about: dict[str, str | float | int] = {"title": visible(name), "case": visible(name), "algorithm": "staggered"}
+    about |= {"step_s": STEP, "record_every": 1}
     with ResultsFile(path, [Column(f"{b}.v_lat", "m/s", "") for b in ("wheel", "rail")], about) as file:
         file.append(time, np.column_stack([signal, 0.1 * signal]).astype(np.float64))
     page = write_report([path], tmp_path).read_text(encoding="utf-8")
