@@ -188,7 +188,7 @@ def test_active_data_are_refused_with_file_and_frequency(tmp_path: Path) -> None
     [
         (("a.csv", "a.csv", "--quantity", "mobility"), "a.csv: holds ver as .*a.csv does; must be in one file"),
         (("b.csv", "--quantity", "mobility"), "b.csv: no such file"),
-        (("a.txt", "--quantity", "mobility"), "a.txt: column 'frequency_hz' is missing; has nonsense"),
+        (("a.txt", "--quantity", "mobility"), "a.txt, line 1: column 'frequency_hz' is missing; has nonsense"),
         (("a.csv",), "a.csv: does not say whether it is a receptance, mobility or accelerance"),
         (("a.csv", "--units", "mm/s"), "unit 'mm/s' is no displacement, velocity or acceleration per force"),
         (("soft.csv", "--quantity", "mobility"), "soft.csv: ver receptance reaches .* more than a rail's"),
