@@ -17,6 +17,7 @@ from fmus.interface import DIRECTIONS
 
 from ..signals.spectra import a_weighting, regular
 from ..signals.summary import sample_interval, spectrum
+from ..visible import visible
 from .style import COLOURS, LINES, STYLE, WORDS
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def draw_run(data: xr.Dataset, path: Path) -> None:
         axes = figure.subplots(
             2, 3, gridspec_kw={"left": 0.07, "right": 0.98, "bottom": 0.08, "top": 0.88, "wspace": 0.27, "hspace": 0.32}
         )
-        figure.suptitle(f"{data.attrs.get('title', '')}: velocity at the contact point")
+        figure.suptitle(f"{visible(data.attrs.get('title', ''))}: velocity at the contact point")
         for row, direction in zip(axes, ("lat", "ver"), strict=True):
             for component in ("wheel", "rail"):
                 name = f"{component}.v_{direction}"
@@ -100,7 +101,7 @@ def draw_directions(data: xr.Dataset, path: Path) -> None:
             row[1].set(yscale="log", xlim=(0, SHOWN_HZ), ylim=(top * DECADES, top * 2))
         axes[-1][0].set(xlabel="Time [s]")
         axes[-1][1].set(xlabel="Frequency [Hz]")
-        axes[0][0].set(title=f"{data.attrs.get('title', '')}: velocity at the contact point")
+        axes[0][0].set(title=f"{visible(data.attrs.get('title', ''))}: velocity at the contact point")
         axes[0][1].set(title="amplitude, second half")
         axes[0][1].legend(loc="upper right")
         figure.savefig(path, dpi=110)
@@ -113,7 +114,7 @@ def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
         bands, totals = figure.subplots(1, 2, width_ratios=(2.2, 1))
         for k, (name, sound) in enumerate(sounds.items()):
             level = sound.bands.to_numpy() + a_weighting(sound.bands["band"])
-            bands.plot(sound.bands["band"], level, marker="os^D"[k % 4], markersize=4, label=name)
+            bands.plot(sound.bands["band"], level, marker="os^D"[k % 4], markersize=4, label=visible(name))
             reach = [[sound.level_dba - sound.low_dba], [sound.high_dba - sound.level_dba]]
             totals.bar(k - 0.25, sound.level_dba, 0.25, color=f"C{k}", alpha=0.75)
             totals.errorbar(k - 0.25, sound.level_dba, yerr=reach, color="black", capsize=4, linewidth=1)
@@ -132,5 +133,5 @@ def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
             ncols=3, fontsize=7, loc="upper center",
         )  # fmt: skip
         totals.set(ylabel="Total level [dB(A)]", ylim=(10 * np.floor(low / 10 - 1), None))
-        totals.set_xticks(range(len(sounds)), list(sounds))
+        totals.set_xticks(range(len(sounds)), [visible(name) for name in sounds])
         figure.savefig(path, dpi=110)

@@ -6,6 +6,7 @@ Long signals are given as the smallest and largest value of short pieces, so tha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -171,7 +172,7 @@ def levels(rows: list[tuple[str, Sound]]) -> Plot:
     """Return the total levels of several runs with their bands."""
     values = np.array([sound.level_dba for _, sound in rows])
     trace: Trace = {
-        "x": [name for name, _ in rows],
+        "x": [escape(name, quote=False) for name, _ in rows],  # Plotly reads a little HTML
         "y": plain(values),
         "type": "scatter",
         "mode": "markers",
