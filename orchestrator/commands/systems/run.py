@@ -8,7 +8,6 @@ from shlex import quote
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
@@ -135,7 +134,7 @@ def _show(outcome: Outcome) -> None:
         ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
     for label, numbers in rows:
-        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
+        table.add_row(label, *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
