@@ -151,8 +151,8 @@ def read_csv(path: Path) -> tuple[Modes, Real | None]:
         modes = _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:6], tuple(labels)))
     except DataError as error:  # which says the number of the mode
         number = re.search(r"mode (\d+)", str(error))
-        line = f", line {rows[int(number[1]) - 1][0]}" if number else ""
-        raise DataError(str(error).replace(path.name, f"{path.name}{line}", 1)) from None
+        place = f", line {rows[int(number[1]) - 1][0]}" if number else ""
+        raise DataError(str(error).replace(path.name, f"{path.name}{place}", 1)) from None
     return modes, areas
 
 
