@@ -103,7 +103,7 @@ class Section:
         )
         if self.sound is not None:
             s = self.sound
-            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).")
+            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).{plots.with_rail(s)}")
         if cycle.contact_lost:
             parts.append(f"Contact is lost {cycle.contact_lost:.1%} of the time.")
         return " ".join(parts)
