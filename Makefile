@@ -52,7 +52,7 @@ figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), whe
 
 paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper next to ours (10 minutes)
 	rm -rf results/paper
-	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case --out results/paper || exit 1; done
+	for case in case1 case2 case3 case4 inferred1 inferred2 inferred3 inferred4; do $(BIN)/curvesqueal run $$case --out results/paper || exit 1; done
 	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios

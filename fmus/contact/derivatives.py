@@ -4,16 +4,17 @@ With f_n the normal force and v the velocities without the new forces, the law F
 
     dF = (I - g' Y_t)^-1 (g' (dv + Y_n df_n) + g_N df_n),
 
-g' and g_N by central differences of the law at the velocities it was solved at.
+g' and g_N by central differences of the law at the velocities it was solved at. With memory g depends on F as well.
 """
 
 import math
 
 from ..compile import kernel
-from .friction.coefficient import friction_slope
-from .law import law, normal_stiffness
+from .friction.coefficient import friction_slope, static_friction
+from .law import normal_stiffness
 from .layout import OUT, D, S
-from .parameters import P
+from .memory import creep_forces_now, last_change
+from .parameters import WITH_MEMORY, P
 from .ports import put_forces, relative_motion
 from .prediction import look_ahead_change
 
@@ -43,24 +44,24 @@ def _creep_force_change(parameters, derived, state, d_v, d_load, implicit):  # t
     delta = STEP * parameters[P.rolling_velocity]
     turn = delta / derived[D.spin_arm]
     a = _slope(
-        law(parameters, derived, w[0] + delta, w[1], w[2], load),
-        law(parameters, derived, w[0] - delta, w[1], w[2], load),
+        _law(parameters, derived, state, w, load, delta, 0.0, 0.0, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, -delta, 0.0, 0.0, 0.0, 0.0, 0.0),
         delta,
     )
     b = _slope(
-        law(parameters, derived, w[0], w[1] + delta, w[2], load),
-        law(parameters, derived, w[0], w[1] - delta, w[2], load),
+        _law(parameters, derived, state, w, load, 0.0, delta, 0.0, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, -delta, 0.0, 0.0, 0.0, 0.0),
         delta,
     )
     c = _slope(
-        law(parameters, derived, w[0], w[1], w[2] + turn, load),
-        law(parameters, derived, w[0], w[1], w[2] - turn, load),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, turn, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, -turn, 0.0, 0.0, 0.0),
         turn,
     )
     more = STEP * max(load, STEP * parameters[P.normal_load])
     g_n = _slope(
-        law(parameters, derived, w[0], w[1], w[2], load + more),
-        law(parameters, derived, w[0], w[1], w[2], load - more),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, more, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, -more, 0.0, 0.0),
         more,
     )
     y = D.mobility
@@ -68,11 +69,42 @@ def _creep_force_change(parameters, derived, state, d_v, d_load, implicit):  # t
     k1 = d_v[1] + implicit * derived[y + 7] * d_load
     k2 = d_v[2] + implicit * derived[y + 11] * d_load
     known = _sum(a, b, c, k0, k1, k2)
+    x = _minus((1.0, 0.0, 0.0), _sum(a, b, c, derived[y], derived[y + 4], derived[y + 8]), implicit)
+    z = _minus((0.0, 1.0, 0.0), _sum(a, b, c, derived[y + 1], derived[y + 5], derived[y + 9]), implicit)
+    if parameters[P.creep_law] == WITH_MEMORY and implicit != 0.0:  # forces move what the strips share
+        force = STEP * (static_friction(parameters, derived) * parameters[P.normal_load] + 1.0)
+        own = _slope(
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, force, 0.0),
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, -force, 0.0),
+            force,
+        )
+        x = _minus(x, own, 1.0)
+        own = _slope(
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, 0.0, force),
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, 0.0, -force),
+            force,
+        )
+        z = _minus(z, own, 1.0)
     return _solve(
-        _minus((1.0, 0.0, 0.0), _sum(a, b, c, derived[y], derived[y + 4], derived[y + 8]), implicit),
-        _minus((0.0, 1.0, 0.0), _sum(a, b, c, derived[y + 1], derived[y + 5], derived[y + 9]), implicit),
+        x,
+        z,
         _minus((0.0, 0.0, 1.0), _sum(a, b, c, derived[y + 2], derived[y + 6], derived[y + 10]), implicit),
         _minus(known, g_n, -d_load),
+    )
+
+
+@kernel
+def _law(parameters, derived, state, w, load, lon, lat, spin, more, change_lon, change_lat):  # type: ignore[no-untyped-def]
+    """Return the creep forces next to where they were solved: other velocities, load and changes of the forces."""
+    change = last_change(state)
+    return creep_forces_now(
+        parameters,
+        derived,
+        state,
+        (w[0] + lon, w[1] + lat, w[2] + spin),
+        load + more,
+        (change[0] + change_lon, change[1] + change_lat),
+        False,
     )
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data_file import read_settings
 from ..errors import DataError
 from ..interface import DIRECTIONS
 from .modes import Modes
@@ -55,10 +55,7 @@ def read_modal_data(path: Path) -> ModalData:
     DataError
         One sentence with file, mode, quantity, what was wanted and what came.
     """
-    try:
-        settings = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError(f"{path.name}: not a TOML file: {error}") from None
+    settings = read_settings(path)
     _refuse_unknown(settings, _FILE_KEYS, path.name)
     words = {key: _text(settings.get(key), key, path.name) for key in ("title", "source")}
     tables = settings.get("mode")

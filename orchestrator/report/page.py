@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from ..published.cases import PAPER_HZ, SAME_TONE
 from ..results.file import open_results
+from ..signals.figures_told import FIGURES
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.spectra import regular
-from ..signals.summary import sample_interval
+from ..signals.summary import sample_interval, summarise
 from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import LinearModel, model_of
 from ..stability.scheme import growth_of_scheme
+from ..visible import visible
 from . import plots
 from .plots import Plot
 
@@ -52,6 +54,7 @@ class Section:
     audio : MP3, base64; None if there is nothing to hear
     residual : energy that the coupling added, by direction [J]
     spurious : what the scheme adds to the growth, in words; None where it is not known
+    figures : numbers of its second half: label and words
     plots : figures
     """
 
@@ -67,6 +70,7 @@ class Section:
     audio: str | None
     residual: Mapping[str, float]
     spurious: str | None
+    figures: Sequence[tuple[str, str]]
     plots: Sequence[Plot] = field(default_factory=list)
 
     @property
@@ -99,7 +103,7 @@ class Section:
         )
         if self.sound is not None:
             s = self.sound
-            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).")
+            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).{plots.with_rail(s)}")
         if cycle.contact_lost:
             parts.append(f"Contact is lost {cycle.contact_lost:.1%} of the time.")
         return " ".join(parts)
@@ -154,11 +158,11 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     if data.sizes["time"] < _LEAST_ROWS:
         raise InputError(f"{path}: has {data.sizes['time']} rows; a report needs at least {_LEAST_ROWS}")
     (model, unknown), cycle = _model(data), limit_cycle(data)
-    sound, silence = _sound(data)
+    (sound, silence), numbers = _sound(data), summarise(data)
     return Section(
         key=key,
-        title=str(data.attrs.get("title") or path.stem),
-        source=path.name,
+        title=visible(str(data.attrs.get("title") or path.stem)),
+        source=visible(path.name),
         attributes=dict(data.attrs),
         duration=data.sizes["time"] * sample_interval(data),
         cycle=cycle,
@@ -168,6 +172,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         audio=_audio(data) if sound is not None and cycle.squeals else None,
         residual={str(n).removeprefix(_ADDED): float(data[n][-1]) for n in data.data_vars if str(n).startswith(_ADDED)},
         spurious=_spurious(data, model, unknown),
+        figures=[(figure.label, figure.words(numbers)) for figure in FIGURES],
         plots=_plots(data, model, sound),
     )
 
@@ -237,7 +242,7 @@ def render(sections: Sequence[Section], overview: Sequence[Plot]) -> str:
     return environment.get_template("report.html.jinja").render(
         sections=sections,
         overview=overview,
-        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
+        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         library=(TEMPLATES / "plotly-basic.min.js").read_text(encoding="utf-8"),
         script=(TEMPLATES / "report.js").read_text(encoding="utf-8"),
         style=(TEMPLATES / "report.css").read_text(encoding="utf-8"),

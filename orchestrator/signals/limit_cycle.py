@@ -22,7 +22,8 @@ if TYPE_CHECKING:  # xarray takes a second to import
 Real = NDArray[np.float64]
 
 STEADY = 0.05
-"""A vibration is steady if its levels in the quarters of the second half differ by less than this part."""
+"""A vibration is steady if its levels in the quarters of the second half differ by less than this part: half a
+decibel, which is not heard."""
 
 SQUEAL_VELOCITY = 1e-3
 """Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]: half a per cent of the sliding velocity
@@ -32,12 +33,18 @@ LINEAR_VELOCITY = 0.02
 """Lateral velocity up to which growth counts as linear [m/s]: a tenth of the sliding velocity."""
 
 STICK = 0.95
-"""A contact sticks, at least in part, while the creep force is below this part of the friction limit."""
+"""A contact sticks, at least in part, while the creep force is below this part of the friction limit; in full slip
+it is the limit."""
 
 HARMONICS = 6
+"""Multiples of a tone that are told: those of 1100 Hz up to the end of the band of the wheel's data."""
+
 _WINDOW_S = 0.08
-_SETTLED_S = 0.01
 _SHORTEST_WINDOW_S = 0.02
+"""Longest and shortest window by which growth is told from that of another tone [s]: 25 and 100 Hz apart, two lines."""
+
+_SETTLED_S = 0.01
+"""Time after which what the starting pulse forced has gone [s]: a hundred times its length."""
 
 
 @dataclass(frozen=True)

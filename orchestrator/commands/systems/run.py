@@ -8,7 +8,6 @@ from shlex import quote
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
@@ -22,6 +21,7 @@ from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
 from ...runs.verdict import energy_share
 from ...signals.axes import NORMAL, PLANE
+from ...signals.figures_told import FIGURES, rows_by_direction
 from ..options import System, changes_system
 from ..progress import run_bar
 from ..tools import Json, Seed, notice, say, screen
@@ -129,22 +129,19 @@ def _show(outcome: Outcome) -> None:
     for heading in ("", *columns):
         table.add_column(heading, justify="right" if heading else "left")
     rows = (
-        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms | s.wheel_contact_rms),
-        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms | s.rail_contact_rms),
+        *((f"{label} [{unit}]", numbers) for label, (unit, numbers) in rows_by_direction(s).items()),
         ("energy into wheel and rail [J]", p.energy_into_structures),
         ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
     for label, numbers in rows:
-        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
+        table.add_row(label, *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
-        "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
-        "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        **{figure.label: figure.words(s) for figure in FIGURES if not isinstance(figure.value(s), Mapping)},
         "energy residual": _balance(p),
         "spurious growth": outcome.spurious.sentence,
         **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
-        "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
         "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
         "results": str(outcome.results),
         "picture": f"curvesqueal picture {quote(str(outcome.results))}"
