@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-slow hosts lint types layers fix fmus ssp data figures paper bench clean
+.PHONY: help run test test-slow reliability hosts lint types layers fix fmus ssp data figures paper bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -22,6 +22,9 @@ test: lint types layers  ## lint, types, layers, tests and doctests
 
 test-slow: .venv/developer  ## the tests that take minutes
 	$(BIN)/python -m pytest -n 2 -m slow
+
+reliability: .venv/developer  ## the tests of reliability in full number; writes their figures into docs/reliability.md (an hour)
+	CURVESQUEAL_RELIABILITY=1 $(BIN)/python -m pytest -m slow tests/reliability
 
 hosts: .venv/developer  ## an environment of its own for hosts that want other versions of what is used here
 	test -x .venv/hosts/bin/python || { $(PYTHON) -m venv .venv/hosts && .venv/hosts/bin/pip install --quiet "cofmupy>=1.0"; }

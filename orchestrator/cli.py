@@ -168,7 +168,11 @@ def curvesqueal(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside."""
+    """Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside.
+
+    Running an FMU runs its code, with all that you may do: take FMUs from sources that you trust.
+    `run --isolate` protects against crashes and hangs only.
+    """
 
 
 def command_line() -> int:

@@ -28,7 +28,7 @@ def check(
     out: Annotated[Path, typer.Option(help="Folder for the mobility figure, FILE-mobility.png.")] = Path("results"),
     json: Json = False,
 ) -> None:
-    """Test an FMU against the contract of a rail, by what it declares and by running it.
+    """Test an FMU against the contract of a rail, by what it declares and by running it, which runs its code.
 
     Prints pass, fail or not offered for each demand and draws the mobility; fails if one fails.
     """

@@ -80,7 +80,7 @@ def test_a_run_shows_the_names_that_files_give(
     """System, component, variable and FMU file: results, CSV, JSON, table and picture have them."""
     ssd = odd_system(block, tmp_path, name)
     arguments = ("run", str(ssd), "--step", "1e-3", "--out", str(tmp_path / "r"))
-    data = json.loads(command(capsys, *arguments, "--csv", "--json"))
+    data = json.loads(command(capsys, *arguments, "--csv", "--picture", "--json"))
     results = Path(data["results"])
     assert data["case"] == name
     assert results.parent == tmp_path / "r"
