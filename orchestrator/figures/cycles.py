@@ -150,7 +150,10 @@ def draw_branches(branches: list[Branch], title: str) -> Figure:
                     mark.value, mark.amplitude, MARKS[mark.kind], color="black", markerfacecolor="white", markersize=6,
                     label=label, clip_on=False,
                 )  # fmt: skip
-        axes.set(xlabel=branches[0].parameter, ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None))
+        unit = "-" if branches[0].unit == "1" else branches[0].unit
+        axes.set(
+            xlabel=f"{branches[0].parameter} [{unit}]", ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None)
+        )
         axes.set_title(f"{visible(title)}: solid, lasts; dashed, does not", fontsize="medium")
         axes.legend(fontsize=8)
         return figure
