@@ -1,7 +1,6 @@
 """Creep forces that agree with the velocities they cause: a Newton iteration in three unknowns. Kernels."""
 
 from ..compile import kernel
-from .friction.coefficient import static_friction
 from .law import law
 from .layout import D, S
 from .parameters import P
@@ -61,9 +60,9 @@ def _with_forces(derived, state, v, x, f_normal):  # type: ignore[no-untyped-def
 def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
     """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
     w = _with_forces(derived, state, v, x, f_normal)
-    g = law(parameters, derived, w[0], w[1], w[2], f_normal + parameters[P.normal_load])
+    g = law(parameters, derived, w[0], w[1], w[2], f_normal + derived[D.load])
     r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
-    scale = static_friction(parameters, derived) * parameters[P.normal_load] + 1e-30
+    scale = derived[D.mu0] * derived[D.load] + 1e-30
     size = max(abs(r[0]), abs(r[1]), abs(r[2]) / derived[D.spin_arm]) / scale
     return r, size, w, g
 
@@ -95,7 +94,7 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
     step with the matrix of the place goes downhill. The kept matrix is used while it brings the residual down by two
     thirds; then it is renewed; then the step is halved until the residual falls.
     """
-    load = f_normal + parameters[P.normal_load]
+    load = f_normal + derived[D.load]
     x = (state[S.f_lon] + state[S.d_lon], state[S.f_lat] + state[S.d_lat], state[S.f_spin] + state[S.d_spin])
     r, size, w, g = _residual(parameters, derived, state, v, x, f_normal, pulse)
     evaluations = 1
