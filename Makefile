@@ -15,7 +15,7 @@ help:  ## list the targets
 	$(BIN)/pip install --quiet --editable '.[dev]' && touch $@
 
 run: .venv/user  ## install, build the FMUs, simulate Case 1; results and picture in results/
-	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1
+	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1 --picture
 
 test: lint types layers  ## lint, types, layers, tests and doctests
 	$(BIN)/python -m pytest -n 2 -m "not slow"
@@ -56,7 +56,7 @@ paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper 
 	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios
-	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py && $(BIN)/python benchmarks/setup.py
+	$(BIN)/python benchmarks/steps.py && $(BIN)/python benchmarks/masters.py && $(BIN)/python benchmarks/setup.py && $(BIN)/python benchmarks/cycles.py
 
 clean:  ## remove what was built
 	rm -rf build results .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -2,18 +2,21 @@
 
     python benchmarks/cycles.py [CASE]
 
-Ratios to a run of 6 s, of which 0.5 s are made; compare the ratios, not the times.
+Ratios to a run of 6 s, of which 0.5 s are made, in `benchmarks/RESULTS.md`; compare the ratios, not the times.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from datetime import date
 
 from rich.console import Console
+from stored import store
 
 from orchestrator.coupling.master import Master
 from orchestrator.limit_cycles.search import cycles_of
+from orchestrator.limit_cycles.tori.search import break_ups
 from orchestrator.runs.scenario import Scenario
 
 PART = 0.5
@@ -29,13 +32,29 @@ def main(case: str) -> None:
             begin = time.process_time()
             master.run()
             run = (time.process_time() - begin) * 6.0 / PART
-    for words, tone in (("one tone, stability", 1100.0), ("all tones, stability", None)):
+    table = []
+    for words, tone in (("one tone", 1100.0), ("all tones", None)):
         begin = time.process_time()
         found = cycles_of(assembly, settings.step, tone_hz=tone)
         used = time.process_time() - begin
-        Console().print(
-            f"{words}: {len(found.cycles)} tones, {used:.2f} s, {used / run:.2f} of a 6 s run", highlight=False
-        )
+        table.append([f"{words} with stability", str(len(found.cycles)), f"{used:.2f}", f"{used / run:.2f}"])
+    begin = time.process_time()
+    broken = break_ups(found)
+    used = time.process_time() - begin
+    solved = sum(b.torus is not None for b in broken)
+    words = f"what {len(broken)} of them break up into, two tones in {solved}"
+    table.append([words, str(len(broken)), f"{used:.2f}", f"{used / run:.2f}"])
+    for row in table:
+        Console().print(f"{row[0]}: {row[2]} s, {row[3]} of a 6 s run", highlight=False)
+    lines = [
+        f"{case}; a run of 6 s at {settings.step * 1e6:g} us takes {run:.2f} s of CPU, same process; {date.today()}.",
+        "Made by `make bench`.",
+        "",
+        "| what | tones | CPU [s] | of a 6 s run |",
+        "| --- | --- | --- | --- |",
+        *("| " + " | ".join(row) + " |" for row in table),
+    ]
+    store("Limit cycles", lines)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave
 from rich.console import Console
 from rich.table import Table
+from stored import store
 
 from fmus.component import Instance
 from fmus.interface import connections
@@ -37,7 +38,6 @@ H = 5e-6
 NOISE = 0.05
 """What two measurements of the same kernels may differ by, relative."""
 
-RESULTS = Path(__file__).parent / "RESULTS.md"
 
 ECOS = """
 import json, sys, time
@@ -235,8 +235,6 @@ def main() -> None:
     Console().print(shown)
     versions = ", ".join(f"{p} {version(p)}" for p in ("curvesqueal", "numba", "fmpy", "ecospy", "libcosimpy"))
     lines = [
-        "# Masters on the same FMUs",
-        "",
         f"Case 1, 5 us, native FMUs, the first {arguments.steps * H:g} s; best of three; {versions}; {date.today()}.",
         "Made by `make bench`. Machines are noisy: read the ratios. Orchestration is the time beside the kernels.",
         "",
@@ -244,7 +242,7 @@ def main() -> None:
         "| " + " | ".join("---" for _ in HEADINGS) + " |",
         *("| " + " | ".join(row) + " |" for row in table),
     ]
-    RESULTS.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    store("Masters on the same FMUs", lines)
 
 
 if __name__ == "__main__":

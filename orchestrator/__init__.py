@@ -11,7 +11,7 @@ from .errors import InputError, SimulationError
 
 if TYPE_CHECKING:
     from .coupling.master import Progress
-    from .library import cycles, load, plot_cycles, resume, simulate
+    from .library import break_ups, cycles, load, plot_cycles, resume, simulate
     from .limit_cycles.catalogue import Catalogue
     from .runs.outcome import Outcome
     from .runs.scenario import Scenario
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 __version__ = version("curvesqueal")
 
 __all__ = [
-    "Catalogue", "InputError", "Outcome", "Progress", "Scenario", "SimulationError", "cycles", "load", "plot_cycles",
-    "resume", "simulate",
+    "Catalogue", "InputError", "Outcome", "Progress", "Scenario", "SimulationError", "break_ups", "cycles", "load",
+    "plot_cycles", "resume", "simulate",
 ]  # fmt: skip
 
 

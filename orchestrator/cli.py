@@ -9,8 +9,11 @@ import os
 import sys
 import traceback
 import warnings
+from collections.abc import Callable
+from functools import wraps
 from importlib import import_module
 from importlib.metadata import version as version_of
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import typer
@@ -57,6 +60,7 @@ COMMANDS: Table = {
         "pages.listen",
         "Make the sound of a run, or of a case that is run first, as a WAV file.",
     ),
+    "picture": ("pages.picture", "Draw histories and spectra of a run from its results."),
     "report": ("pages.report", "Write one self-contained HTML page about runs."),
     "competition": ("analysis.competition", "Find which tone wins: many random starts of a case."),
     "sweep": ("analysis.sweep", "Run a campaign: every point of a plan, on this machine or on a Dask cluster."),
@@ -95,7 +99,8 @@ class LateGroup(TyperGroup):
             return super().get_command(ctx, cmd_name)
         module, _, function = self.table[cmd_name][0].partition(":")
         one = typer.Typer(add_completion=False, rich_markup_mode=None)
-        one.command(cmd_name)(getattr(import_module(f".commands.{module}", __package__), function or cmd_name))
+        command = getattr(import_module(f".commands.{module}", __package__), function or cmd_name)
+        one.command(cmd_name)(_with_absolute_paths(command))
         return typer.main.get_command(one)
 
     def format_commands(self, _ctx: Any, formatter: Any) -> None:
@@ -103,6 +108,22 @@ class LateGroup(TyperGroup):
         groups = [(name, command.get_short_help_str(300)) for name, command in self.commands.items()]
         with formatter.section("Commands"):
             formatter.write_dl([*((name, text) for name, (_, text) in self.table.items()), *groups])
+
+
+def _with_absolute_paths(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command whose paths mean the same after an FMU has changed the working directory."""
+
+    @wraps(command)
+    def called(*given: Any, **named: Any) -> None:
+        command(*map(_absolute, given), **{name: _absolute(value) for name, value in named.items()})
+
+    return called
+
+
+def _absolute(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_absolute(each) for each in value]
+    return value.absolute() if isinstance(value, Path) else value
 
 
 class _Commands(LateGroup):

@@ -24,6 +24,8 @@ from .figures.cycles import draw_cycle, draw_cycles
 from .fmi.file import Value
 from .limit_cycles.catalogue import NEAR, Catalogue
 from .limit_cycles.search import cycles_of
+from .limit_cycles.tori.search import BreakUp
+from .limit_cycles.tori.search import break_ups as _break_ups
 from .runs.outcome import Outcome
 from .runs.run import Keeping, Report, run_scenario
 from .runs.run import resume as _resume
@@ -78,7 +80,7 @@ def load(  # noqa: PLR0913 - one argument per property of a scenario
         record_every=record_every,
         timeout=timeout,
         strict=strict,
-    )
+    ).absolute()
     scenario.prepare()
     return scenario if start_cycle is None else on_cycle(scenario, start_cycle)
 
@@ -162,6 +164,24 @@ def cycles(
     return cycles_of(
         assembly, settings.step, tone_hz=tone_hz, with_stability=with_stability, down_to=down_to, report=progress
     )
+
+
+def break_ups(
+    found: Catalogue, progress: Callable[[str, int, int], None] = lambda _what, _done, _all: None
+) -> tuple[BreakUp, ...]:
+    """Return what each cycle of a catalogue with growing sidebands breaks up into.
+
+    Parameters
+    ----------
+    found : what `cycles` returned, with stability
+    progress : called with what is being done, and how much of how much is done
+
+    Returns
+    -------
+    For each such cycle `.torus`, two tones at once with frequencies, velocities, forces and lines in SI, or None where
+    the equations were not solved; `.tried` then says how far they were.
+    """
+    return _break_ups(found, progress)
 
 
 def plot_cycles(found: Catalogue, tone_hz: float | None = None, title: str = "") -> Figure:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..component import Component, Variable
 from ..interface import CHANGE, ENERGY_ADDED, contact_inputs, contact_outputs, operating_point_inputs
 from .layout import DERIVED_SIZE, STATE_SIZE
-from .parameters import PARAMETERS
+from .parameters import MEMORY_ROOM, PARAMETERS
 
 _ACCOUNT = (("lon", "longitudinal"), ("lat", "lateral, contact axes"), ("spin", "spin"), ("normal", "contact normal"))
 """Directions of the account of energy in the order of the state, and their words."""
@@ -16,7 +16,8 @@ _ACCOUNT = (("lon", "longitudinal"), ("lat", "lateral, contact axes"), ("spin", 
 FAILURE = (
     "the outputs are not finite; an input or parameter is too large, a parameter and its change together are out of "
     "the parameter's range, or the friction table is none: it needs 2 points or more, each farther than the one "
-    "before, with friction above 0"
+    "before, with friction above 0; or the grid of a contact with memory has more "
+    f"than {MEMORY_ROOM} cells"
 )
 """What a contact says whose forces are no numbers."""
 

@@ -5,17 +5,18 @@ With f_n the normal force and v the velocities without the new forces, the law F
     dF = (I - g' Y_t)^-1 (g' (dv + Y_n df_n) + g_N dN + dg - dF_0),
 
 g' and g_N by central differences of the law at the velocities it was solved at. dg and dF_0, the steady creep forces,
-are what a moved steady state makes of the law; N = f_n + its load.
+are what a moved steady state makes of the law; N = f_n + its load. With memory g depends on F as well.
 """
 
 import math
 
 from ..compile import kernel
 from .friction.coefficient import friction_factor, friction_slope
-from .law import law, normal_force, normal_stiffness
+from .law import normal_force, normal_stiffness
 from .layout import IN, OUT, D, S
+from .memory import creep_forces_now, last_change
 from .operating_point import put_steady_state
-from .parameters import P
+from .parameters import WITH_MEMORY, P
 from .ports import put_forces, relative_motion
 from .prediction import look_ahead_change
 
@@ -32,7 +33,7 @@ def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitiv
     d_load = normal_stiffness(parameters, derived, outputs[OUT.deflection]) * d_deflection + d_total
     d_normal = d_load - seed[IN.normal_load_change]
     implicit = 1.0 if h > 0.0 else 0.0  # at the start the forces are explicit
-    d_x = _creep_force_change(parameters, derived, state, d_ahead, d_normal, d_load, d_g, implicit)
+    d_x = _creep_force_change(parameters, derived, state, d_ahead, d_normal, d_load, d_g, d_steady, implicit)
     put_forces(derived, sensitivity, d_x, d_normal)
     d_force = (d_x[0] + d_steady[0], d_x[1] + d_steady[1], d_x[2] + d_steady[2])
     _put_monitor_changes(parameters, derived, outputs, sensitivity, seed, d_v, d_force, d_load)
@@ -42,7 +43,7 @@ def differentiate(parameters, derived, state, inputs, outputs, h, seed, sensitiv
 
 @kernel
 def _moved(parameters, derived, state, deflection, seed):  # type: ignore[no-untyped-def]
-    """Return dg - dF_0, dF_0 and the change of the normal force at this deflection of a moved steady state."""
+    """Return dg, dF_0 and the change of the normal force at this deflection of a moved steady state."""
     lon, lat = seed[IN.steady_creepage_lon_change], seed[IN.steady_creepage_lat_change]
     spin, load, mu0 = seed[IN.steady_creepage_spin_change], seed[IN.normal_load_change], seed[IN.mu0_change]
     load_0 = derived[D.load]
@@ -58,8 +59,7 @@ def _moved(parameters, derived, state, deflection, seed):  # type: ignore[no-unt
     put_steady_state(parameters, derived, _minus(at, d_at, 1.0), load_0 - e * load, mu - e * mu0)
     g_b, f_b, n_b = _state_of_law(parameters, derived, state, deflection, load_0)
     put_steady_state(parameters, derived, at, load_0, mu)
-    d_steady = _slope(f_a, f_b, e)
-    return _minus(_slope(g_a, g_b, e), d_steady, 1.0), d_steady, 0.5 / e * (n_a - n_b)
+    return _slope(g_a, g_b, e), _slope(f_a, f_b, e), 0.5 / e * (n_a - n_b)
 
 
 @kernel
@@ -68,13 +68,14 @@ def _state_of_law(parameters, derived, state, deflection, load):  # type: ignore
 
     `load` is the one that the fluctuation of the normal force belongs to.
     """
-    g = law(parameters, derived, state[S.w_lon], state[S.w_lat], state[S.w_spin], state[S.f_normal] + load)
+    w = (state[S.w_lon], state[S.w_lat], state[S.w_spin])
+    g = _law(parameters, derived, state, w, state[S.f_normal] + load, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     steady = (derived[D.f_lon], derived[D.f_lat], derived[D.f_spin])
     return g, steady, normal_force(parameters, derived, deflection)
 
 
 @kernel
-def _creep_force_change(parameters, derived, state, d_v, d_normal, d_load, d_g, implicit):  # type: ignore[no-untyped-def]
+def _creep_force_change(parameters, derived, state, d_v, d_normal, d_load, d_g, d_steady, implicit):  # type: ignore[no-untyped-def]
     """Return dF for changes of velocities, normal force (fluctuation and all of it) and steady state.
 
     `implicit` is 1, or 0 to leave the mobility out.
@@ -84,36 +85,69 @@ def _creep_force_change(parameters, derived, state, d_v, d_normal, d_load, d_g, 
     delta = STEP * parameters[P.rolling_velocity]
     turn = delta / derived[D.spin_arm]
     a = _slope(
-        law(parameters, derived, w[0] + delta, w[1], w[2], load),
-        law(parameters, derived, w[0] - delta, w[1], w[2], load),
+        _law(parameters, derived, state, w, load, delta, 0.0, 0.0, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, -delta, 0.0, 0.0, 0.0, 0.0, 0.0),
         delta,
     )
     b = _slope(
-        law(parameters, derived, w[0], w[1] + delta, w[2], load),
-        law(parameters, derived, w[0], w[1] - delta, w[2], load),
+        _law(parameters, derived, state, w, load, 0.0, delta, 0.0, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, -delta, 0.0, 0.0, 0.0, 0.0),
         delta,
     )
     c = _slope(
-        law(parameters, derived, w[0], w[1], w[2] + turn, load),
-        law(parameters, derived, w[0], w[1], w[2] - turn, load),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, turn, 0.0, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, -turn, 0.0, 0.0, 0.0),
         turn,
     )
     more = STEP * max(load, STEP * derived[D.load])
     g_n = _slope(
-        law(parameters, derived, w[0], w[1], w[2], load + more),
-        law(parameters, derived, w[0], w[1], w[2], load - more),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, more, 0.0, 0.0),
+        _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, -more, 0.0, 0.0),
         more,
     )
     y = D.mobility
     k0 = d_v[0] + implicit * derived[y + 3] * d_normal
     k1 = d_v[1] + implicit * derived[y + 7] * d_normal
     k2 = d_v[2] + implicit * derived[y + 11] * d_normal
-    known = _sum(a, b, c, k0, k1, k2)
+    known = _minus(_minus(_sum(a, b, c, k0, k1, k2), g_n, -d_load), _minus(d_steady, d_g, 1.0), 1.0)
+    x = _minus((1.0, 0.0, 0.0), _sum(a, b, c, derived[y], derived[y + 4], derived[y + 8]), implicit)
+    z = _minus((0.0, 1.0, 0.0), _sum(a, b, c, derived[y + 1], derived[y + 5], derived[y + 9]), implicit)
+    if parameters[P.creep_law] == WITH_MEMORY and implicit != 0.0:  # forces move what the strips share
+        force = STEP * (derived[D.mu0] * derived[D.load] + 1.0)
+        own = _slope(
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, force, 0.0),
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, -force, 0.0),
+            force,
+        )
+        x = _minus(x, own, 1.0)
+        known = _minus(known, own, -d_steady[0])
+        own = _slope(
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, 0.0, force),
+            _law(parameters, derived, state, w, load, 0.0, 0.0, 0.0, 0.0, 0.0, -force),
+            force,
+        )
+        z = _minus(z, own, 1.0)
+        known = _minus(known, own, -d_steady[1])
     return _solve(
-        _minus((1.0, 0.0, 0.0), _sum(a, b, c, derived[y], derived[y + 4], derived[y + 8]), implicit),
-        _minus((0.0, 1.0, 0.0), _sum(a, b, c, derived[y + 1], derived[y + 5], derived[y + 9]), implicit),
+        x,
+        z,
         _minus((0.0, 0.0, 1.0), _sum(a, b, c, derived[y + 2], derived[y + 6], derived[y + 10]), implicit),
-        _minus(_minus(known, g_n, -d_load), d_g, -1.0),
+        known,
+    )
+
+
+@kernel
+def _law(parameters, derived, state, w, load, lon, lat, spin, more, change_lon, change_lat):  # type: ignore[no-untyped-def]
+    """Return the creep forces next to where they were solved: other velocities, load and changes of the forces."""
+    change = last_change(state)
+    return creep_forces_now(
+        parameters,
+        derived,
+        state,
+        (w[0] + lon, w[1] + lat, w[2] + spin),
+        load + more,
+        (change[0] + change_lon, change[1] + change_lat),
+        False,
     )
 
 

@@ -3,11 +3,15 @@
 from ..compile import kernel
 from .law import law
 from .layout import D, S
-from .parameters import P
+from .memory import change_to, creep_forces_now
+from .parameters import WITH_MEMORY, P
 
 MAX_EVALUATIONS = 60
 TOLERANCE = 1e-4
 """Largest residual of the creep forces, relative to mu0 N, that is left to a last Newton step without a check."""
+
+TOLERANCE_WITH_MEMORY = 1e-6
+"""The same with memory, where what is left would be a force that no traction carries."""
 
 
 @kernel
@@ -27,6 +31,26 @@ def renew_newton_matrix(parameters, derived, state, v, g, load):  # type: ignore
         for j in range(3):
             product = s_lon * derived[y + j] + s_lat * derived[y + 4 + j] + s_spin * derived[y + 8 + j]
             state[s + 3 * i + j] = (1.0 if i == j else 0.0) - product
+    _invert(state, s)
+
+
+@kernel
+def renew_with_memory(parameters, derived, state, v, g, load, change):  # type: ignore[no-untyped-def]
+    """Put the inverse of minus the slope of the residual into the state, by forward differences in the forces."""
+    delta = 1e-6 * (derived[D.mu0] * derived[D.load] + 1.0)
+    y = D.mobility
+    s = S.newton
+    for j in range(3):
+        step = delta * derived[D.spin_arm] if j == 2 else delta
+        w = (
+            v[0] + derived[y + j] * step,
+            v[1] + derived[y + 4 + j] * step,
+            v[2] + derived[y + 8 + j] * step,
+        )
+        more = (change[0] + (step if j == 0 else 0.0), change[1] + (step if j == 1 else 0.0))
+        f = creep_forces_now(parameters, derived, state, w, load, more, False)
+        for i in range(3):
+            state[s + 3 * i + j] = (1.0 if i == j else 0.0) - (f[i] - g[i]) / step
     _invert(state, s)
 
 
@@ -60,7 +84,8 @@ def _with_forces(derived, state, v, x, f_normal):  # type: ignore[no-untyped-def
 def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
     """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
     w = _with_forces(derived, state, v, x, f_normal)
-    g = law(parameters, derived, w[0], w[1], w[2], f_normal + derived[D.load])
+    load = f_normal + derived[D.load]
+    g = creep_forces_now(parameters, derived, state, w, load, change_to(derived, state, x, pulse), False)
     r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
     scale = derived[D.mu0] * derived[D.load] + 1e-30
     size = max(abs(r[0]), abs(r[1]), abs(r[2]) / derived[D.spin_arm]) / scale
@@ -95,12 +120,14 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
     thirds; then it is renewed; then the step is halved until the residual falls.
     """
     load = f_normal + derived[D.load]
+    memory = parameters[P.creep_law] == WITH_MEMORY
+    tolerance = TOLERANCE_WITH_MEMORY if memory else TOLERANCE
     x = (state[S.f_lon] + state[S.d_lon], state[S.f_lat] + state[S.d_lat], state[S.f_spin] + state[S.d_spin])
     r, size, w, g = _residual(parameters, derived, state, v, x, f_normal, pulse)
     evaluations = 1
     fresh = False
     part = 1.0
-    while size > TOLERANCE and evaluations < MAX_EVALUATIONS:
+    while size > tolerance and evaluations < MAX_EVALUATIONS:
         x_new = _newton_step(state, r, x, part)
         r_new, size_new, w_new, g_new = _residual(parameters, derived, state, v, x_new, f_normal, pulse)
         evaluations += 1
@@ -109,7 +136,10 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
             fresh = False
             part = 1.0
         elif not fresh:
-            renew_newton_matrix(parameters, derived, state, w, g, load)
+            if memory:
+                renew_with_memory(parameters, derived, state, w, g, load, change_to(derived, state, x, pulse))
+            else:
+                renew_newton_matrix(parameters, derived, state, w, g, load)
             evaluations += 3
             fresh = True
         else:

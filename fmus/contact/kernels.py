@@ -20,12 +20,14 @@ from ..compile import kernel
 from ..creep.blended import spin_flexibility, volumes
 from ..creep.fastsim import bound_volume, flexibilities
 from ..creep.kalker import creepage_coefficients
+from ..creep.memory import series_compliances
 from .account import keep_account
 from .derivatives import differentiate
 from .friction.coefficient import prepare_friction
 from .implicit import renew_newton_matrix, solve_creep_forces
 from .law import normal_force
 from .layout import OUT, STATE_SIZE, D, S
+from .memory import keep_forces, keep_tractions
 from .operating_point import follow_operating_point, put_operating_point
 from .parameters import P
 from .ports import put_forces, put_monitors, relative_motion
@@ -65,6 +67,7 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
         state[S.w_lon + i] = w[i]
     state[S.d_normal] = f_normal - state[S.f_normal]
     state[S.f_normal] = f_normal
+    keep_forces(derived, state, x, pulse)
 
     put_forces(derived, outputs, x, f_normal)
     put_monitors(parameters, derived, outputs, v, (x[0], x[1] - pulse, x[2]), load, deflection)
@@ -116,6 +119,9 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
     derived[D.volume] = bound_volume(a, b, cells, strips)
     derived[D.elliptic_volume], derived[D.parabolic_volume] = volumes(a, b, cells, strips)
+    derived[D.series_lon], derived[D.series_lat] = series_compliances(
+        a, b, parameters[P.shear_modulus], parameters[P.poisson_ratio], derived[D.L1], derived[D.L2]
+    )
     derived[D.spin_arm] = math.sqrt(a * b)
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])
@@ -144,6 +150,8 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
 @kernel
 def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Advance to the end of the step, where the inputs are given, and put out the forces for the next one."""
-    follow_operating_point(parameters, derived, inputs)
     state[S.elapsed] += h
+    keep_tractions(parameters, derived, state)  # as it was in the last step, at the steady state of then
+    follow_operating_point(parameters, derived, inputs)
+    state[S.step] = h
     _apply(parameters, derived, state, inputs, outputs, h)

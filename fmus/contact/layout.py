@@ -4,6 +4,7 @@ from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
 from ..interface import contact_inputs, contact_outputs, operating_point_inputs
 from .friction_parameters import TABLE_POINTS
+from .parameters import MEMORY_ROOM
 
 IN = positions("IN", (port.name for port in (*contact_inputs(), *operating_point_inputs())))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
@@ -25,6 +26,9 @@ S = positions(
         *("older_rest_lon", "older_rest_lat", "older_rest_spin", "older_rest_normal"),  # of the change before
         *("steps", "part", "part_normal"),  # steps made, part of the parabola in the extrapolation
         *("elapsed", "deflection", "newton"),  # time, integrated deflection, Newton matrix (3 x 3)
+        *(f"newton_{i}" for i in range(1, 9)),
+        *("step", "t_lon", "t_lat", "t_lon_before", "t_lat_before"),  # with memory: last step, total tangential forces
+        "tractions",  # of the particles, one step before those of these forces
     ),
 )
 """Layout of the state."""
@@ -37,12 +41,13 @@ D = positions(
         *("velocity", "falling_ratio", "saturation"),  # and the other parameters that may change during the run
         *("approach", "stiffness", "cos", "sin", "spin_arm"),  # steady approach and its stiffness, geometry
         *("L1", "L2", "L3", "L4", "volume", "elliptic_volume", "parabolic_volume"),  # of the creep law
+        *("series_lon", "series_lat"),  # compliances that all strips share, with memory
         "mobility",  # contact axes (4 x 4)
     ),
 )
 """Layout of the derived quantities."""
 
-STATE_SIZE = S.newton + 9
+STATE_SIZE = S.tractions + 2 * MEMORY_ROOM
 SCRATCH = D.mobility + 16
 """Position of the scratch space of FASTSIM in the derived quantities."""
 

@@ -13,8 +13,11 @@ from .friction_parameters import FRICTION_PARAMETERS, TABLE_OF_CREEPAGE
 
 MAX_GRID = 200
 
-FASTSIM, BLENDED = 0, 1
+FASTSIM, BLENDED, WITH_MEMORY = 0, 1, 2
 """Values of the parameter `creep_law`."""
+
+MEMORY_ROOM = 400
+"""Most cells, along times across, of the contact with memory: its state has two tractions for each."""
 
 
 def _parameter(name: str, unit: str, start: float, low: float, high: float, description: str) -> Variable:
@@ -66,8 +69,9 @@ PARAMETERS = (
     _whole("grid_cells", 10, "grid of the creep law: cells along the rolling direction"),
     _whole("grid_strips", 10, "grid of the creep law: strips across"),
     Variable("creep_law", "parameter", "1",
-             "creep law: 0, FASTSIM, the paper's; 1, with a blended bound, which is right with spin too",
-             kind="Integer", start=FASTSIM, minimum=0, maximum=1),
+             "creep law: 0, FASTSIM, the paper's; 1, with a blended bound, which is right with spin too; 2, FASTSIM "
+             f"with memory, tractions travel with the particles, on at most {MEMORY_ROOM} cells",
+             kind="Integer", start=FASTSIM, minimum=FASTSIM, maximum=WITH_MEMORY),
     _switch("use_displacements", True, "true: take displacements as inputs; false: integrate the velocities"),
     _switch("integrate_wheel", False, "true: integrate the wheel's velocities; it gives no displacements"),
     _switch("integrate_rail", False, "true: integrate the rail's velocities; it gives no displacements"),

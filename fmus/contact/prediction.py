@@ -17,19 +17,23 @@ from .layout import D, S
 from .parameters import P
 
 MEMORY = 0.75
-"""Velocity one step after a force has gone, relative to Y; 0.4 with the rails here, 0.95 for a wheel alone."""
+"""Velocity one step after a force has gone, relative to Y; 0.4 with the rails here, 0.95 for a wheel alone. One
+number between serves both: the spectral radius in stick is 1.000 from 5 to 20 us (docs/adr/0009)."""
 
 DECAY = 0.5
-"""Part of the rest that goes on from step to step in stick."""
+"""Part of the rest that goes on from step to step in stick; all of it would grow by 1.12 to 1.15 a step at 5 and 20 us
+(docs/adr/0009)."""
 
 STICK, SLIP = 0.7, 0.85
-"""Smallest diagonal element of (I - g' Y)^-1 up to which the rest decays, and from which on it is a parabola."""
+"""Smallest diagonal element of (I - g' Y)^-1 up to which the rest decays, and from which on it is a parabola,
+which grows by 1.75 a step in stick and is the most exact in slip, where the element is near 1 (docs/adr/0009)."""
 
 TURN = 0.2
-"""Largest change of the part of the parabola in one step: a jump of it is a jump of the forces."""
+"""Largest change of the part of the parabola in one step: a jump of it is a jump of the forces, and five steps are
+short against the period of a tone."""
 
 HISTORY = 3
-"""Steps after which a parabola is known."""
+"""Steps after which a parabola is known: it goes through three values."""
 
 
 @kernel

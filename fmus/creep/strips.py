@@ -79,6 +79,60 @@ def cell(k, cells, graded):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def prepare(slip_lon, spin_lon, a, b, strips, first, count, scratch, at):  # type: ignore[no-untyped-def]
+    """Put half-length, root 1 - (y/b)^2 and longitudinal slip of strips from number `first` on into the scratch."""
+    dy = 2.0 * b / strips
+    for j in range(count):
+        y = -b + (first + j + 0.5) * dy
+        root = math.sqrt(1.0 - (y / b) * (y / b))
+        scratch[at + j] = a * root
+        scratch[at + BLOCK + j] = root
+        scratch[at + 2 * BLOCK + j] = slip_lon - spin_lon * y
+
+
+@kernel
+def cut_at_centre(lon, lat, limit, slip_lon, slip_lat, half_way, rise_linear, rise_square):  # type: ignore[no-untyped-def]
+    """Return the part of a traction that the bound leaves, and the part that the way to the next centre starts with.
+
+    Parameters
+    ----------
+    lon, lat : float
+        Traction at the centre of a cell before it is cut [Pa].
+    limit : float
+        The bound there [Pa].
+    slip_lon, slip_lat : float
+        Rigid slip over flexibility there [Pa/m].
+    half_way : float
+        Half of the way to the next centre [m].
+    rise_linear, rise_square : float
+        Slopes of both parts of the bound along the way [Pa/m].
+    """
+    size2 = max(lon * lon + lat * lat, limit * limit) + TINY
+    inverse = 1.0 / math.sqrt(size2)
+    cut = limit * inverse
+    sliding = -inverse * (slip_lon * lon + slip_lat * lat)
+    sliding = half_way * (sliding - rise_linear - rise_square)
+    return cut, cut - min(max(sliding * inverse, 0.0), 1.0 - cut)
+
+
+@kernel
+def add_up(b, strips, first, count, scratch, at):  # type: ignore[no-untyped-def]
+    """Return the forces of the strips whose sums are in the scratch: longitudinal, lateral [N], spin moment [N.m]."""
+    dy = 2.0 * b / strips
+    f_lon = f_lat = moment = 0.0
+    for j in range(count):
+        edge = scratch[at + j]
+        area = edge * dy
+        y = -b + (first + j + 0.5) * dy
+        f_lon += scratch[at + 5 * BLOCK + j] * area
+        f_lat += scratch[at + 6 * BLOCK + j] * area
+        moment += (edge * scratch[at + 7 * BLOCK + j] - y * scratch[at + 5 * BLOCK + j]) * area
+    for i in range(at, at + SCRATCH_SIZE):
+        scratch[i] = 0.0
+    return f_lon, f_lat, moment
+
+
+@kernel
 def _block(  # type: ignore[no-untyped-def]
     slip_lon, slip_lat, spin_lon, spin_lat, elliptic, parabolic, a, b, cells, strips, graded, first, count, scratch, at
 ):
@@ -86,13 +140,7 @@ def _block(  # type: ignore[no-untyped-def]
     edge_, root_, slip_, lon_, lat_, sum_lon_, sum_lat_, sum_moment_ = (
         at, at + BLOCK, at + 2 * BLOCK, at + 3 * BLOCK, at + 4 * BLOCK, at + 5 * BLOCK, at + 6 * BLOCK, at + 7 * BLOCK,
     )  # fmt: skip
-    dy = 2.0 * b / strips
-    for j in range(count):
-        y = -b + (first + j + 0.5) * dy
-        root = math.sqrt(1.0 - (y / b) * (y / b))
-        scratch[edge_ + j] = a * root
-        scratch[root_ + j] = root
-        scratch[slip_ + j] = slip_lon - spin_lon * y
+    prepare(slip_lon, spin_lon, a, b, strips, first, count, scratch, at)
     u, q, length = cell(0, cells, graded)
     way = 1.0 - u
     for k in range(cells):
@@ -108,16 +156,13 @@ def _block(  # type: ignore[no-untyped-def]
         for j in range(count):
             edge = scratch[edge_ + j]
             root = scratch[root_ + j]
-            limit = root * (linear + square * root)
             dx = way_here * edge
             lon = scratch[lon_ + j] - dx * scratch[slip_ + j]
             lat = scratch[lat_ + j] - dx * (slip_lat + turn * edge)
-            size2 = max(lon * lon + lat * lat, limit * limit) + TINY
-            inverse = 1.0 / math.sqrt(size2)
-            cut = limit * inverse
-            sliding = -inverse * (scratch[slip_ + j] * lon + (slip_lat + here * edge) * lat)
-            sliding = 0.5 * way * edge * (sliding - rise_linear - rise_square * root)
-            kept = cut - min(max(sliding * inverse, 0.0), 1.0 - cut)
+            cut, kept = cut_at_centre(
+                lon, lat, root * (linear + square * root), scratch[slip_ + j], slip_lat + here * edge,
+                0.5 * way * edge, rise_linear, rise_square * root,
+            )  # fmt: skip
             scratch[lon_ + j] = kept * lon
             scratch[lat_ + j] = kept * lat
             cut *= length_here
@@ -126,14 +171,4 @@ def _block(  # type: ignore[no-untyped-def]
             scratch[sum_lon_ + j] += lon
             scratch[sum_lat_ + j] += lat
             scratch[sum_moment_ + j] += u_here * lat
-    f_lon = f_lat = moment = 0.0
-    for j in range(count):
-        edge = scratch[edge_ + j]
-        area = edge * dy
-        y = -b + (first + j + 0.5) * dy
-        f_lon += scratch[sum_lon_ + j] * area
-        f_lat += scratch[sum_lat_ + j] * area
-        moment += (edge * scratch[sum_moment_ + j] - y * scratch[sum_lon_ + j]) * area
-    for i in range(at, at + SCRATCH_SIZE):
-        scratch[i] = 0.0
-    return f_lon, f_lat, moment
+    return add_up(b, strips, first, count, scratch, at)

@@ -5,12 +5,12 @@ Each number is a table `[name]` with `value`, `unit` and `source`; the source is
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..data_file import read_settings, sourced_number, title_of
 from ..errors import DataError
 from .parameters import VEHICLE
 
@@ -46,35 +46,21 @@ def read_vehicle(path: Path) -> Vehicle:
     DataError
         One sentence with file, quantity, what was wanted and what came.
     """
+    settings = read_settings(path)
     try:
-        settings = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError(f"{path.name}: not a TOML file: {error}") from None
-    title = settings.pop("title", None)
-    if not isinstance(title, str) or not title.strip():
-        raise DataError(f"{path.name}: title must be a text; got {title!r}")
+        return _vehicle(settings)
+    except ValueError as error:
+        raise DataError(f"{path.name}: {error}") from None
+
+
+def _vehicle(settings: dict[str, Any]) -> Vehicle:
+    """Return the vehicle of a file's settings."""
+    title = title_of(settings)
     wanted = {v.name: v for v in VEHICLE}
     for problem, names in (("is unknown", set(settings) - set(wanted)), ("is missing", set(wanted) - set(settings))):
         if names:
-            raise DataError(f"{path.name}: {min(names)!r} {problem}; wanted are {', '.join(wanted)}")
-    values = {name: _value(settings[name], name, wanted[name].unit, path.name) for name in wanted}
+            raise DataError(f"{min(names)!r} {problem}; wanted are {', '.join(wanted)}")
+    values = {name: sourced_number(settings[name], wanted[name].unit, name) for name in wanted}
     for name, value in values.items():
-        try:
-            wanted[name].check(value)
-        except ValueError as error:
-            raise DataError(f"{path.name}: {error}") from None
+        wanted[name].check(value)
     return Vehicle(title, values, {name: settings[name]["source"] for name in wanted})
-
-
-def _value(entry: Any, name: str, unit: str, where: str) -> float:
-    """Return the number of one table."""
-    if not isinstance(entry, dict) or set(entry) != {"value", "unit", "source"}:
-        raise DataError(f"{where}: [{name}] must have value, unit and source; got {entry!r}")
-    value, source = entry["value"], entry["source"]
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise DataError(f"{where}: {name} must be a number; got {value!r}")
-    if entry["unit"] != unit:
-        raise DataError(f"{where}: {name} must be in {unit}; got {entry['unit']!r}")
-    if not isinstance(source, str) or not source.strip():
-        raise DataError(f"{where}: {name} must have a text as source ('assumed' if there is none); got {source!r}")
-    return float(value)

@@ -73,6 +73,7 @@ class Contents:
     system : its units of length and force, if it says them
     listing : a few words on each thing in it, for refusals
     si : whether values without a unit are in SI because the format says so
+    origin : what the file says about itself, '' if nothing
     """
 
     path: Path
@@ -81,6 +82,7 @@ class Contents:
     system: UnitSystem | None = None
     listing: tuple[str, ...] = ()
     si: bool = False
+    origin: str = ""
 
     def listed(self) -> str:
         """Return all that is in the file as one text."""

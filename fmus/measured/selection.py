@@ -6,8 +6,9 @@ contradicted, and what was used comes with the result.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,8 @@ class Measured:
     frequency_hz : (m,) increasing frequencies > 0 [Hz]
     receptance : (m,) complex [m/N; rotations rad, moments N m]
     coherence : (m,) from 0 to 1; None where it was not measured
-    used : what was taken for it: 'set', 'point', 'quantity', 'units', 'factor', 'sign', 'from_hz', 'to_hz'
+    used : what was taken for it: 'set', 'point', 'quantity', 'units', 'factor', 'sign', 'from_hz', 'to_hz',
+        and 'origin' if the file says it
     si_assumed : whether the unit is SI because the format says so, not the file
     """
 
@@ -120,6 +122,12 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
     return list(found.values())
 
 
+def files_and_origins(files: Iterable[Path], used: Iterable[Mapping[str, str | float]]) -> str:
+    """Return the names of files, and what they say about themselves."""
+    origins = dict.fromkeys(str(row["origin"]) for row in used if "origin" in row)
+    return "; ".join([", ".join(file.name for file in files), *origins])
+
+
 def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
     """Return a function as a receptance in SI on the lines of the band, with what was used for it."""
     (response, s), (reference, t) = (_direction(p, choice) for p in (function.response, function.reference))
@@ -140,6 +148,7 @@ def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
             "set": function.where, "point": f"{function.response} due to {function.reference}",
             "direction": _words((response, reference)), "quantity": quantity, "units": units, "factor": factor,
             "sign": s * t, "from_hz": float(f[0]) if f.size else 0.0, "to_hz": float(f[-1]) if f.size else 0.0,
+            **({"origin": contents.origin} if contents.origin else {}),
         },
         si_assumed=units == _FORMAT_SI,
     )  # fmt: skip

@@ -24,6 +24,7 @@ FUNCTION_TYPES = {
     12: "spectrum", 18: "mode indicator", 25: "impulse response", 26: "multiple coherence",
 }  # fmt: skip
 _RESPONSE, _COHERENCE = 4, 6
+_HEADER = 151
 
 SET_NAMES = {
     15: "nodes", 2411: "nodes", 55: "data at nodes", 2414: "analysis data", 58: "function", 151: "header", 164: "units",
@@ -87,10 +88,11 @@ def read_data_sets(path: Path, kinds: tuple[int, ...] | None = None) -> list[Dat
             try:
                 content = file.read_sets(i)
             except Exception:
-                what = SET_NAMES.get(kind, "no known kind")
-                raise DataError(
-                    f"{path.name}, data set {i + 1} (line {line}): is not a readable data set {kind} ({what})"
-                ) from None
+                if kind != _HEADER:  # words about the file: no number hangs on them
+                    what = SET_NAMES.get(kind, "no known kind")
+                    raise DataError(
+                        f"{path.name}, data set {i + 1} (line {line}): is not a readable data set {kind} ({what})"
+                    ) from None
         found.append(DataSet(path.name, i + 1, line, content))
     return found
 
@@ -99,7 +101,7 @@ def read_universal(path: Path) -> Contents:
     """Return the functions of a universal file."""
     functions, listing = [], []
     coherence: dict[tuple[Place, Place], tuple[Real, Real]] = {}
-    sets = read_data_sets(path, (58, 164))
+    sets = read_data_sets(path, (58, 151, 164))
     for data in sets:
         listing.append(f"data set {data.number} (line {data.line}): {_words(data)}")
         if data.kind != 58:
@@ -111,7 +113,14 @@ def read_universal(path: Path) -> Contents:
             functions.append(_function(data, places))
         elif kind == _COHERENCE:
             coherence[places] = (_frequencies(data), np.asarray(data.content["data"]).real)
-    return Contents(path, tuple(functions), coherence, unit_system(sets), tuple(listing))
+    return Contents(path, tuple(functions), coherence, unit_system(sets), tuple(listing), origin=origin(sets))
+
+
+def origin(sets: list[DataSet]) -> str:
+    """Return what data set 151, the header, says of the file: model, description, program, date; '' without one."""
+    content = next((data.content for data in sets if data.kind == _HEADER), {})
+    keys = ("model_name", "description", "program", "date_file_written")
+    return ", ".join(text for key in keys if (text := _label(content.get(key))))
 
 
 def unit_system(sets: list[DataSet]) -> UnitSystem | None:

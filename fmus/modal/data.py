@@ -2,27 +2,30 @@
 
 A file has a `title`, a `source` and one `[[mode]]` table per mode: `label`, `frequency_hz`, `damping_ratio`, `shape`
 with the directions that it moves (`lon`, `lat`, `ver` [kg^-1/2], `spin` [kg^-1/2/m]; missing ones are 0) and, where it
-differs from the file's, its own `source`. The same modes always make the same text.
+differs from the file's, its own `source`. A wheel's modes may all have `area_axial` and `area_radial`, the surface
+integrals of the squared motion of one wheel [m2/kg]. The same modes always make the same text.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..data_file import read_settings
 from ..errors import DataError
 from ..interface import DIRECTIONS
 from .modes import Modes
 
 _FILE_KEYS = frozenset({"title", "source", "mode"})
-_MODE_KEYS = frozenset({"label", "source", "frequency_hz", "damping_ratio", "shape"})
-_LARGEST = {"frequency_hz": 1e6, "damping_ratio": 1e3, "shape": 1e6}
+AREAS = ("area_axial", "area_radial")
+_MODE_KEYS = frozenset({"label", "source", "frequency_hz", "damping_ratio", "shape", *AREAS})
+_LARGEST = {"frequency_hz": 1e6, "damping_ratio": 1e3, "shape": 1e6, "area": 1e3}
 """What the component's parameters accept."""
 
 
@@ -35,11 +38,13 @@ class ModalData:
     title : what structure this is
     source : where its numbers come from
     modes : at least one mode
+    areas : (n, 2) axial and radial radiating area of each mode [m2/kg], None where they are not known
     """
 
     title: str
     source: str
     modes: Modes
+    areas: NDArray[np.float64] | None = None
 
 
 def read_modal_data(path: Path) -> ModalData:
@@ -50,10 +55,7 @@ def read_modal_data(path: Path) -> ModalData:
     DataError
         One sentence with file, mode, quantity, what was wanted and what came.
     """
-    try:
-        settings = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError(f"{path.name}: not a TOML file: {error}") from None
+    settings = read_settings(path)
     _refuse_unknown(settings, _FILE_KEYS, path.name)
     words = {key: _text(settings.get(key), key, path.name) for key in ("title", "source")}
     tables = settings.get("mode")
@@ -66,7 +68,7 @@ def read_modal_data(path: Path) -> ModalData:
         shape=np.array([row["shape"] for row in rows]),
         labels=tuple(row["label"] for row in rows),
     )
-    return ModalData(words["title"], words["source"], modes)
+    return ModalData(words["title"], words["source"], modes, _areas(rows, path.name))
 
 
 def format_modal_data(data: ModalData) -> str:
@@ -88,7 +90,7 @@ def format_modal_data(data: ModalData) -> str:
             f"label = {_quoted(modes.labels[i] if modes.labels else f'mode {i + 1}')}\n"
             f"frequency_hz = {_frequency_hz(float(modes.omega[i]))!r}\n"
             f"damping_ratio = {float(modes.zeta[i])!r}\n"
-            f"shape = {{ {', '.join(moved)} }}\n"
+            f"shape = {{ {', '.join(moved)} }}\n" + _area_lines(data.areas, i)
         )
     return "\n".join(parts)
 
@@ -116,8 +118,26 @@ def _mode(table: dict[str, Any], where: str) -> dict[str, Any]:
         raise DataError(f"{where}: shape must be a table of directions; got {_shown(shape)}")
     _refuse_unknown(shape, frozenset(DIRECTIONS), f"{where}, shape")
     bound = _LARGEST["shape"]
+    areas = [_number(table[key], key, where, 0.0, _LARGEST["area"]) for key in AREAS if key in table]
+    if len(areas) == 1:
+        raise DataError(f"{where}: has one of {' and '.join(AREAS)}; must be both or none")
+    row["areas"] = areas or None
     row["shape"] = [_number(shape.get(d, 0.0), f"shape {d}", where, lowest=-bound, largest=bound) for d in DIRECTIONS]
     return row
+
+
+def _area_lines(areas: NDArray[np.float64] | None, mode: int) -> str:
+    return "" if areas is None else "".join(f"{k} = {float(a)!r}\n" for k, a in zip(AREAS, areas[mode], strict=True))
+
+
+def _areas(rows: list[dict[str, Any]], where: str) -> NDArray[np.float64] | None:
+    """Return the areas of all modes, None without any; those of some modes alone are refused."""
+    known = [row["areas"] is not None for row in rows]
+    if not any(known):
+        return None
+    if not all(known):
+        raise DataError(f"{where}, mode {known.index(False) + 1}: has no {' and '.join(AREAS)}; others have them")
+    return np.array([row["areas"] for row in rows])
 
 
 def _number(value: Any, quantity: str, where: str, lowest: float, largest: float) -> float:

@@ -7,7 +7,7 @@ from ..component import Component
 from ..contact.component import contact
 from ..curving.component import vehicle
 from ..interface import DEFAULT_STEP
-from ..rail.component import discrete_rail, paper_rail, rail, rigid_rail
+from ..rail.component import SHIPPED, rail, rigid_rail, shipped_rail
 from ..system.component import system
 from ..wheel.component import wheel
 from ..wheel.inferred import inferred
@@ -29,10 +29,8 @@ def components() -> dict[str, Component]:
     parts = {**wheels, "rail": the_rail, "rail-rigid": rigid, "contact": the_contact}
     return {
         **wheels,
-        "rail": the_rail,
-        "rail-paper": paper_rail(),
+        **{name: shipped_rail(name) for name in SHIPPED},
         "rail-rigid": rigid,
-        "rail-discrete": discrete_rail(),
         **contacts(parts, cases),
         "vehicle": vehicle(),
         "curvesqueal": system("curvesqueal", the_wheel, the_rail, the_contact, first.contact),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,22 +15,37 @@ from ..modal.modes import Modes
 DATA = Path(__file__).parent / "data"
 
 
+@dataclass(frozen=True)
+class ShippedRail:
+    """A rail that is built with the others; its modes are in `data`, under its name.
+
+    Attributes
+    ----------
+    about : description of its FMU
+    method : how its modes are made of the default track, a name of `shipped.METHODS`
+    """
+
+    about: str
+    method: str
+
+
+SHIPPED = {
+    "rail": ShippedRail("Rail at the contact point: modal, four directions", "accurate"),
+    "rail-paper": ShippedRail("Rail at the contact point: modal by the paper's method", "paper"),
+    "rail-discrete": ShippedRail("Rail at the contact point: discrete sleepers, contact at mid-span", "discrete"),
+}
+"""The rails that are shipped, by the name of their data and FMU files; one more is a row here and a data file."""
+
+
+def shipped_rail(name: str) -> Component:
+    """Return a rail of `SHIPPED`."""
+    modes = read_modal_data(DATA / f"{name}.toml").modes
+    return structure(name.replace("-", "_"), SHIPPED[name].about, modes)
+
+
 def rail(modes: Modes | None = None) -> Component:
     """Return the rail component, by default the accurate modal rail of the default track."""
-    chosen = read_modal_data(DATA / "rail.toml").modes if modes is None else modes
-    return structure("rail", "Rail at the contact point: modal, four directions", chosen)
-
-
-def paper_rail() -> Component:
-    """Return the modal rail by the paper's method: cut-on frequencies and one extra mode at 20 kHz."""
-    modes = read_modal_data(DATA / "rail-paper.toml").modes
-    return structure("rail_paper", "Rail at the contact point: modal by the paper's method", modes)
-
-
-def discrete_rail() -> Component:
-    """Return the modal rail of the default track on discrete sleepers, at mid-span."""
-    modes = read_modal_data(DATA / "rail-discrete.toml").modes
-    return structure("rail_discrete", "Rail at the contact point: discrete sleepers, contact at mid-span", modes)
+    return shipped_rail("rail") if modes is None else structure("rail", SHIPPED["rail"].about, modes)
 
 
 def rigid_rail() -> Component:

@@ -17,13 +17,24 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _SOFTEST = 3.0
-"""Static receptance over the largest in the data: more than this is penalised."""
+"""Static receptance over the largest in the data: more than this is penalised. Below the band
+the fit is free, and a soft mode there would let the rail sag under the load."""
 
 _NEPER = np.array([20 / np.log(10), 180 / np.pi])
 """dB per neper and degrees per radian: what the real and imaginary part of a complex logarithm become."""
 
 _DAMPING_RATIO = (5e-3, 0.5, 300.0)
-"""Bounds of the fitted damping ratios: least within the band, least outside, largest. The component takes more."""
+"""Bounds of the fitted damping ratios: least within the band, least outside, largest. The component takes more.
+A sharper mode within the band would be a resonance that an infinite track does not have."""
+
+_UNUSED = 1e-9
+"""Share of the largest amount below which least squares did not take a mode of the dictionary, but for rounding."""
+
+_APART = (0.5, 1.0)
+"""Distances in ln omega and ln zeta, either of which makes two starts of a mode different ones."""
+
+_CONVERGED = 1e-9
+"""Relative change of cost and variables at which a fit has ended; far below what 0.5 dB and 3 degrees can tell."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +82,7 @@ def _pruned(w: Real, target: Complex, most_modes: int) -> Real:
     columns = _parted(_modal(w, atoms) / target[:, None], w)
     norm = np.linalg.norm(columns, axis=0)
     amounts, _ = nnls(columns / norm, _parted(np.ones((w.size, 1)), w)[:, 0], maxiter=50 * atoms.shape[1])
-    active = np.flatnonzero(amounts > 1e-9 * amounts.max())
+    active = np.flatnonzero(amounts > _UNUSED * amounts.max())
     p = np.vstack([atoms[:2, active], np.log(amounts[active] / norm[active])])
     while p.shape[1] > most_modes:
         p, _ = _polish(w, target, _without_least(w, target, p), 20 if p.shape[1] > most_modes + 4 else 200)
@@ -112,7 +123,7 @@ def _candidates(w: Real, target: Complex, p: Real, count: int = 4) -> list[Real]
     gain = apart.T @ rest / np.linalg.norm(apart, axis=0)
     chosen: list[int] = []
     for i in np.argsort(-gain, kind="stable"):
-        if all(abs(atoms[0, i] - atoms[0, c]) > 0.5 or abs(atoms[1, i] - atoms[1, c]) > 1.0 for c in chosen):
+        if all((np.abs(atoms[:2, i] - atoms[:2, c]) > _APART).any() for c in chosen):
             chosen.append(int(i))
         if len(chosen) == count:
             break
@@ -199,7 +210,9 @@ def _polish(w: Real, target: Complex, p: Real, evaluations: int = 200) -> tuple[
         bounds = [own * slope[:, None] for slope in _excess(w, q)[1:]]
         return np.vstack([_parted(slopes, w), np.hstack([*bounds, 0 * own]), _static_excess(target, q)[1]])
 
-    found = least_squares(residual, p.ravel(), jac=jacobian, method="lm", max_nfev=evaluations, xtol=1e-9, ftol=1e-9)
+    found = least_squares(
+        residual, p.ravel(), jac=jacobian, method="lm", max_nfev=evaluations, xtol=_CONVERGED, ftol=_CONVERGED
+    )
     return found.x.reshape(p.shape), 2 * float(found.cost)
 
 

@@ -19,7 +19,7 @@ from ..interface import DIRECTIONS
 from ..measured.choice import Choice
 from ..measured.noise import LARGEST_NOISE, Averaged, averaged, good_band, relative_noise
 from ..measured.read import read_measured
-from ..measured.selection import Measured
+from ..measured.selection import Measured, files_and_origins
 from ..measured.units import QUANTITIES, TRANSLATIONS
 from ..modal.data import ModalData
 from ..modal.modes import Modes
@@ -144,7 +144,7 @@ def rail_from_files(
             found[measured.response] = (file, measured)
     automatic = chosen.start_hz is None and chosen.stop_hz is None
     fit = fit_measured([measured for _, measured in found.values()], automatic, most_modes)
-    names = ", ".join(file.name for file in files)
+    names = files_and_origins(files, fit.used.values())
     quantities = " and ".join(sorted({str(used["quantity"]) for used in fit.used.values()}))
     source = f"passive least squares fit of the logarithm of the {quantities} in {names} (fmus.rail.measured)"
     return ModalData("measured modal rail", source, fit.modes), fit

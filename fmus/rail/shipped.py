@@ -1,4 +1,4 @@
-"""The shipped modal rails: default track in, `data/rail.toml`, `rail-paper.toml` and `rail-discrete.toml` out.
+"""The shipped modal rails: default track in, the files in `data` out, as the table `component.SHIPPED` says.
 
 `curvesqueal rail regenerate` writes them, or says where their receptances differ
 from those of what is there.
@@ -6,6 +6,8 @@ from those of what is there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +15,13 @@ import numpy as np
 from ..errors import DataError
 from ..modal.data import ModalData, read_modal_data, write_modal_data
 from ..modal.modes import Modes, receptance
-from .component import DATA
+from .component import DATA, SHIPPED
 from .discrete import DiscreteTrack, discrete_modes
 from .fit import accurate_modes, error_frequencies, fit_errors
 from .paper_fit import paper_modes
 from .track_data import TRACKS, Track, read_track
 
-METHODS = {"accurate": accurate_modes, "paper": paper_modes}
-SHIPPED = {"rail.toml": "accurate", "rail-paper.toml": "paper", "rail-discrete.toml": "discrete"}
+_ANALYTICAL = {"accurate": accurate_modes, "paper": paper_modes}
 
 DIGITS = 6
 LARGEST_DIFFERENCE = (0.05, 0.3)
@@ -52,11 +53,11 @@ def modal_rail(track: Track, method: str, most_modes: int | None = None) -> Moda
     most_modes : int, optional
         Largest number of modes in each direction, 'accurate' only.
     """
-    if method not in METHODS:
-        raise DataError(f"method is {method!r}; must be one of {', '.join(METHODS)}")
+    if method not in _ANALYTICAL:
+        raise DataError(f"method is {method!r}; must be one of {', '.join(_ANALYTICAL)}")
     if method == "paper" and most_modes is not None:
         raise DataError("most_modes goes with method 'accurate'; the paper's method takes every cut-on")
-    modes = accurate_modes(track, most_modes) if most_modes is not None else METHODS[method](track)
+    modes = accurate_modes(track, most_modes) if most_modes is not None else _ANALYTICAL[method](track)
     return ModalData(f"{method} modal rail: {track.title}", _SOURCE[method], _rounded(modes))
 
 
@@ -75,13 +76,18 @@ def discrete_modal_rail(track: Track, position: float = 0.5, most_modes: int = 1
     return ModalData(title, _SOURCE["discrete"], _rounded(modes))
 
 
+METHODS: dict[str, Callable[[Track], ModalData]] = {
+    "accurate": partial(modal_rail, method="accurate"),
+    "paper": partial(modal_rail, method="paper"),
+    "discrete": discrete_modal_rail,
+}
+"""How the shipped rails are made of the default track."""
+
+
 def shipped() -> dict[str, ModalData]:
     """Return the shipped modal rails by file name, made anew."""
     track = read_track(TRACKS / "default.toml")
-    return {
-        name: discrete_modal_rail(track) if method == "discrete" else modal_rail(track, method)
-        for name, method in SHIPPED.items()
-    }
+    return {f"{name}.toml": METHODS[rail.method](track) for name, rail in SHIPPED.items()}
 
 
 def regenerate(folder: Path = DATA) -> None:

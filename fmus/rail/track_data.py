@@ -7,11 +7,11 @@ attribute, and the source a text, so that no number comes without saying where f
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from ..data_file import read_settings, sourced_number, title_of
 from ..errors import DataError
 
 TRACKS = Path(__file__).parent / "data" / "tracks"
@@ -144,10 +144,7 @@ def read_track(path: Path) -> Track:
     DataError
         One sentence with file, quantity, what was wanted and what came.
     """
-    try:
-        settings = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DataError(f"{path.name}: not a TOML file: {error}") from None
+    settings = read_settings(path)
     try:
         return _track(settings)
     except ValueError as error:
@@ -156,9 +153,7 @@ def read_track(path: Path) -> Track:
 
 def _track(settings: dict[str, Any]) -> Track:
     """Return the track of a file's settings."""
-    title, lateral_model = settings.pop("title", None), settings.pop("lateral_model", "torsion")
-    if not isinstance(title, str) or not title:
-        raise DataError(f"title must be a text; got {title!r}")
+    title, lateral_model = title_of(settings), settings.pop("lateral_model", "torsion")
     section = Section(**_numbers(settings.pop("rail", {}), Section, "rail"))
     support = settings.pop("support", {})
     if not isinstance(support, dict):
@@ -188,21 +183,9 @@ def _numbers(table: Any, of: type, where: str) -> dict[str, float]:
     missing = [name for name, f in known.items() if f.default is MISSING and name not in table]
     if missing:
         raise DataError(f"{where}.{missing[0]} is missing")
-    return {name: _number(entry, known[name].metadata["unit"], f"{where}.{name}") for name, entry in table.items()}
-
-
-def _number(entry: Any, unit: str, where: str) -> float:
-    """Return the value of `{ value, unit, source }`."""
-    if not isinstance(entry, dict) or set(entry) != {"value", "unit", "source"}:
-        raise DataError(f"{where} must be {{ value = ..., unit = ..., source = ... }}; got {entry!r}")
-    value, source = entry["value"], entry["source"]
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise DataError(f"{where}: value must be a number; got {value!r}")
-    if entry["unit"] != unit:
-        raise DataError(f"{where}: unit must be {unit!r}; got {entry['unit']!r}")
-    if not isinstance(source, str) or not source.strip():
-        raise DataError(f"{where}: source must be a text; got {source!r}")
-    return float(value)
+    return {
+        name: sourced_number(entry, known[name].metadata["unit"], f"{where}.{name}") for name, entry in table.items()
+    }
 
 
 def _check_positive(data: Section | Support, what: str) -> None:

@@ -8,11 +8,15 @@ n >= 2 and both webs; it grows with the square of the radius. Of others it depen
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..modal.modes import Modes
 from .wheelset import Wheelset
+
+Real = NDArray[np.float64]
 
 UNCERTAINTY_DB = {"(n,0)": 0.5, "others": 13.0}
 """Difference of an estimated axial area from the shipped wheelsets': the largest; for others, of 85 in 100."""
@@ -29,6 +33,29 @@ _OTHERS = (1.5e-3, 1.0e-3)
 """Axial and radial area of other modes [m2/kg]: mass-normalised shapes spread over a wheel of this size."""
 
 _SAME_FREQUENCY = 1e-3
+
+SAME_LABEL = 0.03
+"""Relative distance of frequencies up to which a mode counts as one of a known wheel."""
+
+
+def given_wheelset(modes: Modes, areas: Real, title: str) -> Wheelset:
+    """Return a wheelset whose areas are known, (n, 2) axial and radial [m2/kg]; diameters are those of the labels."""
+    return replace(estimated_wheelset(modes, title), area_axial=areas[:, 0], area_radial=areas[:, 1])
+
+
+def taken_over(modes: Modes, known: Modes, areas: Real, within: float = SAME_LABEL) -> tuple[Real, int]:
+    """Return areas of modes, those of a known wheel where they are its modes, else estimated, and how many are known.
+
+    Parameters
+    ----------
+    modes : labelled
+    areas : (n, 2) axial and radial area of the known modes [m2/kg]
+    """
+    places = same_modes(modes, known, within)
+    estimate = estimated_wheelset(modes, "")
+    own = np.column_stack([estimate.area_axial, estimate.area_radial])
+    own[places >= 0] = areas[places[places >= 0]]
+    return own, int((places >= 0).sum())
 
 
 def estimated_wheelset(modes: Modes, title: str, radius: float = _RADIUS) -> Wheelset:
@@ -60,14 +87,22 @@ def estimated_wheelset(modes: Modes, title: str, radius: float = _RADIUS) -> Whe
     return Wheelset(modes, diameters, axial, radial, title)
 
 
-def like(modes: Modes, known: Modes, within: float = 0.03) -> Modes:
+def like(modes: Modes, known: Modes, within: float = SAME_LABEL) -> Modes:
     """Return the modes with the labels of a known wheel, each from the mode nearest in frequency and shape.
 
     Parameters
     ----------
     within : relative distance of frequencies up to which a label is taken; other modes keep theirs
     """
-    labels = list(modes.labels or ("",) * len(modes))
+    places = same_modes(modes, known, within)
+    own = modes.labels or ("",) * len(modes)
+    labels = tuple(known.labels[k] if k >= 0 else label for k, label in zip(places, own, strict=True))
+    return Modes(modes.omega, modes.zeta, modes.shape, labels)
+
+
+def same_modes(modes: Modes, known: Modes, within: float = SAME_LABEL) -> NDArray[np.int64]:
+    """Return which mode of a known wheel each mode is, the nearest in frequency and shape, or -1."""
+    found = np.full(len(modes), -1, dtype=np.int64)
     free = np.ones(len(modes), dtype=bool)
     largest = np.maximum(np.abs(known.shape).max(axis=0), 1e-12)
     own, wanted = np.abs(modes.shape) / largest, np.abs(known.shape) / largest
@@ -79,8 +114,8 @@ def like(modes: Modes, known: Modes, within: float = 0.03) -> Modes:
         cost = np.where(free & (away < within), away / within + unlike, np.inf)
         if np.isfinite(cost).any():
             best = int(np.argmin(cost))
-            free[best], labels[best] = False, known.labels[k]
-    return Modes(modes.omega, modes.zeta, modes.shape, tuple(labels))
+            free[best], found[best] = False, k
+    return found
 
 
 def _lateral(modes: Modes, mode: int, name: str) -> float:

@@ -14,13 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import DataError
 from ..interface import DIRECTIONS
-from ..measured.frd import is_frd, read_frd
-from ..measured.nodal import ContactModes, Extent, at_contact, complete_axes
+from ..measured.shapes.nodal import ContactModes, Extent, at_contact, complete_axes
+from ..measured.shapes.read import is_shapes, read_shapes
 from ..measured.tables import read_csv_rows
-from ..measured.units import read_system
-from ..measured.universal import is_universal
-from ..measured.universal_modes import read_universal_modes
-from ..modal.data import read_modal_data
+from ..modal.data import AREAS, read_modal_data
 from ..modal.modes import Modes
 
 Real = NDArray[np.float64]
@@ -56,10 +53,14 @@ class ImportedWheel:
     ----------
     modes : in the contract's axes
     notes : sentences on what was taken as what
+    origin : what the files say about themselves, '' if nothing
+    areas : (n, 2) axial and radial radiating area of each mode [m2/kg], None where they are not known
     """
 
     modes: Modes
     notes: tuple[str, ...] = ()
+    origin: str = ""
+    areas: Real | None = None
 
 
 def wheel_from_modes(
@@ -90,7 +91,10 @@ def wheel_from_modes(
 
 
 def read_modes(files: Path | Sequence[Path], choice: ModalChoice | None = None) -> ImportedWheel:
-    """Return the modes in CSV, TOML, universal files or CalculiX results; several of these are parts of one wheelset.
+    """Return the modes in CSV, TOML, universal files or results of CalculiX and Nastran.
+
+    Several universal files or results are parts of one wheelset. TOML is the project's own format, which `wheel
+    measured` writes, too: its modes may stand in any order, and directions in which none moves are rigid.
 
     Raises
     ------
@@ -100,34 +104,50 @@ def read_modes(files: Path | Sequence[Path], choice: ModalChoice | None = None) 
     chosen = choice or ModalChoice()
     paths = [files] if isinstance(files, Path) else list(files)
     heads = [_head(path) for path in paths]
-    if len(paths) == 1 and not is_universal(heads[0]) and not is_frd(heads[0]):
+    if len(paths) == 1 and not is_shapes(heads[0]):
         path = paths[0]
         if path.suffix.lower() == ".toml" or b"[[mode]]" in path.read_bytes():
-            return ImportedWheel(_complete(path.name, _rising(path.name, read_modal_data(path).modes)))
-        return ImportedWheel(_complete(path.name, read_csv(path)))
+            data = read_modal_data(path)
+            rigid = [d for j, d in enumerate(DIRECTIONS) if not data.modes.shape[:, j].any()]
+            notes = (f"no mode moves in {', '.join(rigid)}: the wheel is rigid there",) if rigid else ()
+            return ImportedWheel(data.modes, notes, areas=data.areas)
+        modes, areas = read_csv(path)
+        return ImportedWheel(_complete(path.name, modes), areas=areas)
     parts = [_part(path, head, chosen) for path, head in zip(paths, heads, strict=True)]
     return _whole(paths, parts, chosen)
 
 
-def read_csv(path: Path) -> Modes:
-    """Return the modes of a table with the columns `CSV_COLUMNS`, in the contract's axes and units."""
+def read_csv(path: Path) -> tuple[Modes, Real | None]:
+    """Return the modes of a table with the columns `CSV_COLUMNS`, in the contract's axes and units.
+
+    With the columns `area_axial` and `area_radial` [m2/kg], also (n, 2) radiating areas.
+    """
     headers, rows = read_csv_rows(path)
     names = [header.name for header in headers]
     missing = [c for c in CSV_COLUMNS if c not in names]
     if missing:
         raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
+    with_areas = [c for c in AREAS if c in names]
+    if len(with_areas) == 1:
+        raise DataError(f"{path.name}: has {with_areas[0]} alone; must be {' and '.join(AREAS)}, or none of them")
+    numbers = [*CSV_COLUMNS[1:], *with_areas]
     table, labels = [], []
     for line, texts in rows:
         row = dict(zip(names, texts, strict=False))
         try:
-            table.append([float(row[c]) for c in CSV_COLUMNS[1:]])
+            table.append([float(row[c]) for c in numbers])
         except (KeyError, ValueError):
-            raise DataError(f"{path.name}, line {line}: every column but label must be a number") from None
+            raise DataError(f"{path.name}, line {line}: every column but label must be a number; got {texts}") from None
         labels.append(row["label"])
     if not table:
         raise DataError(f"{path.name}: there are no modes in it")
     values = np.array(table)
-    return _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:], tuple(labels)))
+    areas = values[:, 6:] if with_areas else None
+    bad = np.flatnonzero(~((values[:, 6:] >= 0) & np.isfinite(values[:, 6:])).all(axis=1))
+    if bad.size:
+        raise DataError(f"{path.name}, mode {bad[0] + 1}: areas are {values[bad[0], 6:].tolist()}; must be >= 0")
+    modes = _modes(path.name, values[:, 0], values[:, 1], values[:, 2:6], tuple(labels))
+    return _rising(path.name, modes), areas
 
 
 def _head(path: Path) -> bytes:
@@ -139,13 +159,7 @@ def _head(path: Path) -> bytes:
 
 def _part(path: Path, head: bytes, choice: ModalChoice) -> ContactModes:
     """Return the modes of one file of shapes at the contact."""
-    units = None if choice.units is None else read_system(choice.units)
-    if is_frd(head):
-        nodal = read_frd(path, units)
-    elif is_universal(head):
-        nodal = read_universal_modes(path, units)
-    else:
-        raise DataError(f"{path.name}: only universal files and .frd can be parts of one wheelset")
+    nodal = read_shapes(path, head, choice.units)
     return at_contact(nodal, choice.node, complete_axes(choice.axes, path.name))
 
 
@@ -168,7 +182,8 @@ def _whole(paths: Sequence[Path], parts: Sequence[ContactModes], choice: ModalCh
         notes.append("spin is neither in the data nor told by nodes near the contact: the wheel is rigid in spin")
     if any(part.spin_from == "neighbours" for part in parts):
         notes.append("spin is the rotation of the nodes within 50 mm of the contact")
-    return ImportedWheel(_complete(name, modes, tuple(d for d in DIRECTIONS if d != "spin")), tuple(notes))
+    origin = "; ".join(dict.fromkeys(part.origin for part in parts if part.origin))
+    return ImportedWheel(_complete(name, modes, tuple(d for d in DIRECTIONS if d != "spin")), tuple(notes), origin)
 
 
 def missing_parts(extents: Sequence[Extent]) -> str:

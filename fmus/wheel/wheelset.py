@@ -12,7 +12,6 @@ field side: with them a wheelset can be read where a curve puts the contact.
 from __future__ import annotations
 
 import csv
-import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data_file import read_settings
 from ..errors import DataError
 from ..modal.modes import Modes
 
@@ -91,7 +91,7 @@ def read_wheelset(path: Path) -> Wheelset:
     DataError
         For a missing column, a value that is no number, or an imposed frequency whose mode is not in the table.
     """
-    settings = tomllib.loads(path.read_text(encoding="utf-8"))
+    settings = read_settings(path)
     rows = _read_table(path.parent / settings["modes"])
     _impose(rows, settings, path)
     radius = settings["radius"]["value_m"]

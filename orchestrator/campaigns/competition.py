@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..limit_cycles.catalogue import Catalogue
 from ..limit_cycles.search import cycles_of
 from ..runs.scenario import Scenario
 from ..signals.tones import SAME_TONE, Tone, tones_of_runs
-from .ends import end_words, missing_words
+from .ends import Ends, missing_words
 from .plan import Plan, make_plan
+from .prepared import pack
 from .rows import DONE, FAILED
 from .store import open_campaign
 from .sweep import How, sweep
@@ -94,7 +94,7 @@ def competition_plan(scenario: Scenario, starts: Starts) -> Plan:
     if starts.modes:
         vary[_START] = list(dict.fromkeys(starts.modes))
     vary[_SEED] = {"from": starts.seed, "to": starts.seed + starts.runs - 1}
-    compute = {"stage": "time", "record_every": RECORD_EVERY, "sound": False}
+    compute = {"stage": "time", "record_every": RECORD_EVERY, "sound": False, "compare": False}
     return make_plan({"system": where, "vary": vary, "compute": compute})
 
 
@@ -107,7 +107,7 @@ def compete(plan: Plan, folder: Path, how: How) -> Ended:
         If the system cannot be run.
     """
     name = f"competition-{Path(plan.base.system).stem}"
-    store = folder / f"{name}-{plan.digest[:8]}.zarr"
+    store = folder / f"{name}-{pack(plan)[0].digest[:8]}.zarr"
     kin = tuple(path for path in sorted(folder.glob(f"{name}-*.zarr")) if path != store)
     ended = sweep(plan, store, how, kin)
     data = open_campaign(store).load()
@@ -145,7 +145,7 @@ def against_cycles(plan: Plan, ended: Ended) -> dict[str, tuple[str, ...]]:
         If the cycles of the system are not known.
     """
     words: dict[str, tuple[str, ...]] = {}
-    known: dict[str, Catalogue] = {}
+    known: dict[str, Ends] = {}
     for group, found in ended.groups.items():
         spring = group.rpartition(", ")[2].removesuffix(" N/m") if group.endswith("N/m") else ""
         if spring not in known:
@@ -155,13 +155,13 @@ def against_cycles(plan: Plan, ended: Ended) -> dict[str, tuple[str, ...]]:
                 values.setdefault("contact", {})["hertz_stiffness"] = spring
             sources = {name: Path(file) for name, file in base.sources.items()}
             assembly, settings = Scenario(base.system, step=base.step, values=values, sources=sources).prepare()
-            known[spring] = cycles_of(assembly, settings.step)
+            known[spring] = Ends(cycles_of(assembly, settings.step))
         tones = [t.frequency_hz for t in found if t.frequency_hz is not None]
         lines = [
-            f"{t.words}: {end_words(known[spring], t.frequency_hz, rms)}"
+            f"{t.words}: {known[spring].words(t.frequency_hz, rms)}"
             for t, rms in zip(found, ended.lateral_rms[group], strict=True)
             if t.frequency_hz is not None
         ]
-        missing = missing_words(known[spring], tones)
+        missing = missing_words(known[spring].found, tones)
         words[group] = (*lines, *([missing] if missing else []))
     return words

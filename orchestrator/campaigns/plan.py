@@ -21,7 +21,7 @@ STAGES = ("linear", "cycles", "time")
 _TABLES: Mapping[str, tuple[str, ...]] = {
     "system": ("case", "file", "step", "duration", "algorithm", "set", "replace", "seed"),
     "sample": ("method", "n", "seed", "file"),
-    "compute": ("stage", "timeout_s", "attempts", "record_every", "sound"),
+    "compute": ("stage", "timeout_s", "attempts", "record_every", "sound", "compare"),
 }
 
 
@@ -76,6 +76,7 @@ class Compute:
     attempts : how many worker processes a run may take with it until it counts as the cause
     record_every : of a simulated run, every this many steps are looked at
     sound : whether a simulated run is asked for its level in dB(A) and its mode
+    compare : whether the end of a simulated run is looked for among the limit cycles and what they break up into
     """
 
     stages: tuple[str, ...] = ("linear",)
@@ -83,6 +84,7 @@ class Compute:
     attempts: int = 4
     record_every: int = 8
     sound: bool = True
+    compare: bool = True
 
 
 @dataclass(frozen=True)
@@ -321,8 +323,8 @@ def _compute(table: Mapping[str, Any]) -> Compute:
         value = table.get(key, 1)
         if not isinstance(value, int) or isinstance(value, bool) or value < 1:
             raise InputError(f"[compute] {key} = {value}: must be a whole number >= 1")
-    attempts = table.get("attempts", Compute.attempts)
-    if not isinstance(table.get("sound", True), bool):
-        raise InputError(f"[compute] sound = {table['sound']}: must be true or false")
-    every = table.get("record_every", Compute.record_every)
-    return Compute(stages, float(timeout), attempts, every, table.get("sound", True))
+    for key in ("sound", "compare"):
+        if not isinstance(table.get(key, True), bool):
+            raise InputError(f"[compute] {key} = {table[key]}: must be true or false")
+    rest = {key: table[key] for key in ("attempts", "record_every", "sound", "compare") if key in table}
+    return Compute(stages, float(timeout), **rest)

@@ -6,10 +6,12 @@ once and keeps what it has prepared.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 from fmus.interface import INITIAL_DISPLACEMENT, INITIAL_VELOCITY
@@ -29,6 +31,7 @@ from ..stability.tracking import TrackedPoles
 from ..system.cases import find_system
 from ..system.model import Element, System, listing
 from ..system.values import component_values
+from .ends import Ends
 from .factors import SEED, START_HZ
 from .plan import Plan, split
 from .shipped import shipped_fmu
@@ -53,6 +56,21 @@ class Campaign:
     sources: Mapping[str, str]
     names: Mapping[str, str]
 
+    @cached_property
+    def system_digest(self) -> str:
+        """Hash of the base and of how it is run: FMUs, values, wires; where its files lie does not count."""
+        elements = {
+            name: replace(e, parameters={key: replace(p, origin=None) for key, p in sorted(e.parameters.items())})
+            for name, e in self.system.elements.items()
+        }
+        plain = replace(self.system, name="", path=Path(), elements=elements, variants=(), notices=())
+        return hashlib.sha256(repr((plain, self.settings, sorted(self.sources.items()))).encode()).hexdigest()
+
+    @property
+    def digest(self) -> str:
+        """Hash of the plan and of the system that it is for."""
+        return hashlib.sha256(f"{self.plan.digest} {self.system_digest}".encode()).hexdigest()
+
 
 @dataclass
 class Workshop:
@@ -64,12 +82,14 @@ class Workshop:
     structures : what is known of them, by the hash of FMU and values
     poles : of the system that was looked at last
     wheelsets : by the hash of FMU and values; None: not known
+    ends : cycles that runs may end in, by the hashes of the components and the tone; None: no pole is near
     """
 
     assemblies: dict[tuple[str, ...], Assembly] = field(default_factory=dict)
     structures: dict[str, Structure] = field(default_factory=dict)
     poles: TrackedPoles = field(default_factory=TrackedPoles)
     wheelsets: dict[str, Wheelset | None] = field(default_factory=dict)
+    ends: dict[str, Ends | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -80,11 +100,13 @@ class Prepared:
     ----------
     assembly, settings : what to run and how
     workshop : what the process keeps
+    compare : whether the end of a run is looked for among the limit cycles
     """
 
     assembly: Assembly
     settings: Settings
     workshop: Workshop
+    compare: bool = True
 
 
 def pack(plan: Plan) -> tuple[Campaign, dict[str, bytes]]:

@@ -62,7 +62,7 @@ def run_point(campaign: Campaign, workshop: Workshop, index: int, point: Mapping
     try:
         assembly = prepare(campaign, workshop, point)
         name = identity(assembly, campaign.settings)
-        values = _through(campaign.plan, Prepared(assembly, campaign.settings, workshop))
+        values = _through(campaign.plan, Prepared(assembly, campaign.settings, workshop, campaign.plan.compute.compare))
     except (InputError, SimulationError) as error:
         return Row(index, FAILED, name, str(error), seconds=time.perf_counter() - begin)
     except Exception as error:  # one bad point must not end a campaign

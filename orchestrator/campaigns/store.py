@@ -32,6 +32,12 @@ if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
 _FORMAT = "curvesqueal campaign 1"
+_BELONGS = (
+    ("plan_digest", "another plan"), ("fmus", "other FMUs"), ("versions", "other versions"),
+    ("system_digest", "a system with other values or connections"),
+)  # fmt: skip
+"""What a store has in common with the campaign that goes on with it, and the words for one that differs."""
+
 _CHUNKS = (256, 16384)
 """Fewest and most rows of a chunk."""
 
@@ -119,7 +125,7 @@ def open_store(path: Path, campaign: Campaign, points: Points, quantities: tuple
         _create(path, about, points, quantities)
     group = _group(path)
     attributes = dict(group.attrs)
-    for key, words in (("plan_digest", "another plan"), ("fmus", "other FMUs"), ("versions", "other versions")):
+    for key, words in _BELONGS:
         if attributes.get(key) != about[key]:
             raise InputError(
                 f"{path}: is the store of {words}; keep the rows in another store{_difference(attributes, about, key)}"
@@ -129,7 +135,7 @@ def open_store(path: Path, campaign: Campaign, points: Points, quantities: tuple
 
 def _difference(before: dict[str, Any], now: dict[str, Any], key: str) -> str:
     """Return which FMU or version differs."""
-    if key == "plan_digest":
+    if key.endswith("digest"):
         return ""
     then, here = json.loads(str(before.get(key, "{}"))), json.loads(now[key])
     names = sorted(n for n in {*then, *here} if then.get(n) != here.get(n))
@@ -162,6 +168,7 @@ def _about(campaign: Campaign) -> dict[str, Any]:
         "title": f"campaign on {Path(campaign.plan.base.system).name}",
         "plan": campaign.plan.text,
         "plan_digest": campaign.plan.digest,
+        "system_digest": campaign.system_digest,
         "factors": list(campaign.plan.factors),
         "fmus": json.dumps(fmus, sort_keys=True),
         "versions": json.dumps(versions(), sort_keys=True),

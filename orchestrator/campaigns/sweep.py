@@ -165,7 +165,7 @@ class _Sweep:
         self.begin = time.monotonic()
         self.made = 0
         self.retried: set[int] = set()
-        self.key = self.campaign.plan.digest[:16]
+        self.key = self.campaign.digest[:16]
 
     def todo(self) -> list[int]:
         """Return the rows that are to be computed."""

@@ -58,17 +58,31 @@ def changes_system(command: Callable[..., None], **others: Any) -> Callable[...,
     command : a command with an argument `changes`
     others : options that take the place of those of `OPTIONS`, by name
     """
+    return with_options(command, "changes", {**OPTIONS, **others}, changes_of)
+
+
+def with_options(
+    command: Callable[..., None], argument: str, options: dict[str, Any], made: Callable[..., Any]
+) -> Callable[..., None]:
+    """Return a command that takes options where one of its arguments stands, and is given what they mean.
+
+    Parameters
+    ----------
+    command : a command
+    argument : of `command`, that the options take the place of
+    options : by name; the default of each is None
+    made : called with all options by name, returns the argument
+    """
     own = signature(command, eval_str=True).parameters
-    options = {**OPTIONS, **others}
 
     @wraps(command)
     def called(**given: Any) -> None:
-        changes = changes_of(**{name: given.pop(name) for name in OPTIONS})
-        command(**given, changes=changes)
+        value = made(**{name: given.pop(name, None) for name in options})
+        command(**given, **{argument: value})
 
     shown: list[Parameter] = []
     for parameter in own.values():
-        if parameter.name != "changes":
+        if parameter.name != argument:
             shown.append(parameter)
             continue
         shown += [Parameter(n, Parameter.KEYWORD_ONLY, default=None, annotation=a) for n, a in options.items()]

@@ -1,7 +1,7 @@
 """An FMU in a process of its own behind the calls of a binding: if it crashes or hangs, that is an error, not the end.
 
-Every call becomes a message to the process and an answer from it. The compiled loop gets the addresses of callbacks
-that do the same, so that there is one loop for FMUs inside and outside of this process.
+Every call becomes a message to the process and an answer from it, see `isolation_answers`. The compiled loop gets the
+addresses of callbacks that do the same, so that there is one loop for FMUs inside and outside of this process.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from fmpy.fmi1 import FMICallException
 from ..errors import SimulationError
 from .binding import BINDINGS, Say, status_of, step_callback
 from .file import Fmu, Value
-from .isolation_worker import FAILED, serve
+from .isolation_answers import FAILED, MOST_BYTES, unpack
+from .isolation_worker import serve
 
 START_SECONDS = 60.0
 """Time that a process gets to start and to instantiate its FMU [s]."""
@@ -77,9 +78,11 @@ class IsolatedBinding:
         try:
             if not self._connection.poll(timeout):
                 raise self._lost(f"did not answer within {timeout:g} s")
-            status, result, messages = self._connection.recv()
+            status, result, messages = unpack(self._connection.recv_bytes(MOST_BYTES), call)
         except (EOFError, OSError):
             raise self._lost(self._obituary()) from None
+        except (ValueError, RecursionError):
+            raise self._lost(f"its process gave no answer to {call} that can be read") from None
         for message in messages:
             self._say(message)
         if status == FAILED:
@@ -110,6 +113,8 @@ class IsolatedBinding:
     def get(self, fmi_type: str, references: Sequence[int], count: int) -> list[Any]:
         """Return variables of one type."""
         values: list[Any] = self._ask("get", fmi_type, list(references), count)
+        if len(values) != count:
+            raise self._lost(f"its process gave {len(values)} values instead of {count}")
         return values
 
     def enter_initialization_mode(self, start: float, stop: float) -> None:
@@ -193,8 +198,12 @@ class IsolatedBinding:
             def work() -> None:
                 if call == "set":
                     self.set(fmi_type, chosen, list(memory))
-                else:
-                    memory[:] = self.get(fmi_type, chosen, len(memory))
+                    return
+                values = self.get(fmi_type, chosen, len(memory))
+                try:
+                    memory[:] = values
+                except (TypeError, ValueError, OverflowError):
+                    raise self._lost(f"its process gave values that are not {fmi_type}") from None
 
             return status_of(work)
 

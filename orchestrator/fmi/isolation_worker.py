@@ -16,9 +16,7 @@ from fmpy.fmi1 import FMICallException
 from .binding import BINDINGS, Fmi2, Fmi3
 from .description import first_line
 from .file import open_fmu
-
-FAILED = -1
-"""In the place of a status: the call ended with an exception that is not FMI's."""
+from .isolation_answers import FAILED, Answer, pack
 
 
 def serve(connection: Connection, path: Path, name: str) -> None:
@@ -62,7 +60,7 @@ def _reply(connection: Connection, messages: list[str], function: Any, *argument
         status = error.status
     except Exception as error:  # FMPy and a broken library raise anything
         status, result = FAILED, first_line(error)
-    connection.send((status, result, list(messages)))
+    connection.send_bytes(pack(Answer(status, result, messages)))
 
 
 class _Slave:

@@ -45,19 +45,25 @@ FREE_MODES = (*(mode for modes, _ in GROUPS for mode in modes), *AXLE)
 
 GAIN_SCATTER = 0.02
 SEARCH_SCATTER = 0.1
-"""Standard deviations of ln(gain) that the fit and the search before it allow [-]."""
+"""Standard deviations of ln(gain) that the fit and the search before it allow [-]: Table 4 is printed to two or three
+digits; five times that in the search, so that one cell that is far off does not hide the others."""
 
 LATERAL_PRIOR = 0.7
 NORMAL_PRIOR = 0.015
 MASS_PRIOR = 0.5
-"""Standard deviations of the prior: ln of a lateral amplitude [-], normal amplitude [kg^-1/2], ln of the factor [-]."""
+"""Standard deviations of the prior: ln of a lateral amplitude [-], normal amplitude [kg^-1/2], ln of the factor [-].
+Of the finite elements of a generic wheel a factor of two is believed laterally (ln 2 = 0.7); normal amplitudes are
+small differences of large ones, so that their width is absolute."""
 
 CLEAR = 0.05
-"""Margin in ln(gain) by which a cell must be stable or unstable."""
+"""Margin in ln(gain) by which a cell must be stable or unstable: more than the scatter of a fit."""
 
 _PENALTY = 0.01
+"""Scale in ln(gain) on which a cell or crossing on the wrong side is penalised: half the scatter, so that it costs more
+than any cell that is only not met well."""
+
 _FREQUENCY_SHARE = 0.85
-"""Share of the frequency tolerance that is free of penalty."""
+"""Share of the frequency tolerance that is free of penalty; the rest is room for what the lateral model leaves out."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,8 @@ WINDOWS_HZ = {
 
 _PEAK = 0.012
 _SHOULDER_HZ = 0.25
-"""Fine spacing within this relative distance of the cell's natural frequency; this spacing elsewhere [Hz]."""
+"""Fine spacing within this relative distance of the cell's natural frequency; this spacing elsewhere [Hz].
+Cells lie near their modes; between resonances the loop changes over tens of hertz."""
 
 
 @dataclass(frozen=True)

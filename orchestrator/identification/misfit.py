@@ -26,10 +26,10 @@ Complex = NDArray[np.complex128]
 Whole = NDArray[np.int64]
 
 GAIN_SCATTER = 0.02
-"""Standard deviation of ln(gain) that the search allows [-]."""
+"""Standard deviation of ln(gain) that the search allows [-]: Table 4 is printed to two or three digits."""
 
 LOW_HZ, LOW_SCATTER_HZ = 263.1, 0.8
-"""The crossing of Case 4 that the contact resonance makes, and how well it is wanted [Hz]."""
+"""The crossing of Case 4 that the contact resonance makes, and how well it is wanted [Hz]: 0.3 %."""
 
 COUPLED = ("(6,0)", "(4,1)")
 """A column of Table 4 and the mode that the paper finds coupled to it in Case 3: without it the column is stable."""
@@ -48,7 +48,8 @@ _COUPLED_CASE = 3
 _OTHER = FREE_MODES.index(COUPLED[1])
 _STEP = 1e-7
 _POLE_STEP = 1e-4
-"""Steps of the differences: a free number in its prior's standard deviations, a pole [rad/s]."""
+"""Steps of the differences: a free number in its prior's standard deviations, a pole [rad/s]; between
+what rounding and what curvature would spoil."""
 
 
 @dataclass(frozen=True)

@@ -212,26 +212,10 @@ class Balance:
         H, d = self.truncation.harmonics, len(self.active)
         scale = FORCE_SCALE[list(self.active)]
         k = np.arange(H + 1)
-        N = len(J)
-        forward = J[(k[:, None] - k) % N] @ T[None]  # (a, b, d, d): line a of the law per F_b
-        mirrored = J[(k[:, None] + k) % N] @ T.conj()[None]  # per conj(F_b)
-        relative = scale / scale[:, None]
-        by_real, by_imag = -(forward + mirrored) * relative, -1j * (forward - mirrored) * relative
-        by_real[:, 0] = -forward[:, 0] * relative
-        m, p = d, d + H * d
-
-        def block(values: Complex) -> Complex:
-            return values.transpose(0, 2, 1, 3).reshape(values.shape[0] * d, values.shape[1] * d)
-
-        real, imag = block(by_real), block(by_imag[:, 1:])
-        jacobian[:m, :p] = real[:d].real
-        jacobian[m:p, :p] = real[d:].real
-        jacobian[p : p + H * d, :p] = real[d:].imag
-        jacobian[:m, p : p + H * d] = imag[:d].real
-        jacobian[m:p, p : p + H * d] = imag[d:].real
-        jacobian[p : p + H * d, p : p + H * d] = imag[d:].imag
-        count = d * (2 * H + 1)
-        jacobian[np.arange(count), np.arange(count)] += 1.0
+        forward = J[(k[:, None] - k) % len(J)] @ T[None]  # (a, b, d, d): line a of the law per F_b
+        mirrored = J[(k[:, None] + k) % len(J)] @ T.conj()[None]  # per conj(F_b)
+        count, p = d * (2 * H + 1), d * (H + 1)
+        jacobian[:count, :count] = in_real_numbers(forward, mirrored, scale)
         row = self.reference_factor * T[1, self.active.index(self.reference)] * scale * 2 / AMPLITUDE_SCALE
         jacobian[-2, d : 2 * d], jacobian[-2, p : p + d] = row.imag, row.real
         jacobian[-1, d : 2 * d], jacobian[-1, p : p + d] = row.real, -row.imag
@@ -245,6 +229,30 @@ class Balance:
         y = self.reference_factor * change[1, self.active.index(self.reference)] * scale
         tail = np.array([2 * y.imag, 2 * y.real]) / AMPLITUDE_SCALE
         jacobian[:, place] += np.concatenate([r[0].real, r[1:].real.ravel(), r[1:].imag.ravel(), tail])
+
+
+def in_real_numbers(forward: Complex, mirrored: Complex, scale: Real) -> Real:
+    """Return the derivative of scaled F - law by scaled F, both as real parts of all lines, then imaginary ones.
+
+    Parameters
+    ----------
+    forward, mirrored : (M, M, d, d) lines of the law per F and per conj(F); line 0 is real and comes first
+    scale : (d,) forces that count as one
+    """
+    M, d = forward.shape[0], forward.shape[2]
+    relative = scale / scale[:, None]
+    by_real, by_imag = -(forward + mirrored) * relative, -1j * (forward - mirrored) * relative
+    by_real[:, 0] = -forward[:, 0] * relative
+
+    def block(values: Complex) -> Complex:
+        return values.transpose(0, 2, 1, 3).reshape(values.shape[0] * d, values.shape[1] * d)
+
+    real, imag, m = block(by_real), block(by_imag[:, 1:]), M * d
+    derivative = np.empty((2 * m - d, 2 * m - d))
+    derivative[:m, :m], derivative[:m, m:] = real.real, imag.real
+    derivative[m:, :m], derivative[m:, m:] = real[d:].imag, imag[d:].imag
+    derivative[np.diag_indices(2 * m - d)] += 1.0
+    return derivative
 
 
 def reference_of(active: tuple[int, ...], motion: Complex) -> int:

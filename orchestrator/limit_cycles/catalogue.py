@@ -18,8 +18,8 @@ from .fate import Stability, stability
 from .level import Radiator
 from .measures import Contact, Motion, contact_over_a_period, motion_of, rms
 from .model import SquealModel
-from .refinement import Refined, refine
-from .tracing import Pole, Trace, find_poles, trace
+from .refinement import Lost, Refined, refine
+from .tracing import EFFORT, Effort, Pole, Trace, find_poles, trace
 
 Real = NDArray[np.floating[Any]]
 
@@ -136,7 +136,8 @@ class Catalogue:
         """Return all cycles within 2 % of a frequency; errors as of `near`."""
         close = tuple(c for c in self.cycles if abs(c.frequency_hz / frequency_hz - 1) < 0.02)
         if not close:
-            raise InputError(f"no tone within 2 % of {frequency_hz:g} Hz; {self.nearest_words(frequency_hz)}")
+            words = "; ".join((f"no tone within 2 % of {frequency_hz:g} Hz", self.nearest_words(frequency_hz)))
+            raise InputError("; ".join((words, *(self.notes if self.cycles else ()))))
         return close
 
     def nearest_words(self, frequency_hz: float) -> str:
@@ -147,20 +148,23 @@ class Catalogue:
         return "the nearest are at " + ", ".join(f"{c.frequency_hz:.1f}" for c in near) + " Hz"
 
     def quiet_words(self) -> str:
-        """Say that there is no tone, and which pole is nearest to one."""
+        """Say that there is no tone, and which pole is nearest to one; or that none was found."""
         if not self.poles:
             return "no tone: nothing moves the contact"
+        if self.notes:
+            return "no tone was found, which does not mean that there is none: " + "; ".join(self.notes)
         p = max(self.poles, key=lambda p: p.growth_rate)
         return f"no tone: quiet, nearest pole {p.frequency_hz:.1f} Hz with {p.growth_rate:.3g} 1/s"
 
 
-def find_cycles(
+def find_cycles(  # noqa: PLR0913 - one argument per wish
     model: SquealModel,
     *,
     tone_hz: float | None = None,
     with_stability: bool = True,
     down_to: float = NEAR,
     radiator: Radiator | None = None,
+    effort: Effort = EFFORT,
     report: Callable[[str, int, int], None] = lambda _what, _done, _all: None,
 ) -> Catalogue:
     """Return the cycles that are born from the poles of a system.
@@ -171,6 +175,7 @@ def find_cycles(
     with_stability : whether to judge whether they last
     down_to : growth rate down to which stable poles are followed [1/s]
     radiator : what makes a level of the motion
+    effort : how much is done for a curve until it is given up
     report : called with what is being done, and how much of it is done
     """
     with threadpool_limits(1, "blas"):  # matrices of this size are slower on several threads
@@ -181,7 +186,7 @@ def find_cycles(
         found: list[Cycle] = []
         for number, pole in enumerate(chosen):
             report(f"pole at {pole.frequency_hz:.0f} Hz", number, len(chosen))
-            curve = trace(model, pole, truncation)
+            curve = trace(model, pole, truncation, effort)
             traces.append(curve)
             refined, sentences = _refined(curve)
             notes += sentences
@@ -208,14 +213,14 @@ def _refined(curve: Trace) -> tuple[list[Refined], list[str]]:
     place = f"pole at {curve.pole.frequency_hz:.1f} Hz ({curve.pole.growth_rate:.3g} 1/s)"
     if not curve.amplitude.size:
         return [], [f"{place}: not followed, its curve {curve.ended}"]
-    notes = []
-    if not curve.complete:
-        notes.append(f"{place}: its curve {curve.ended} {curve.amplitude[-1]:.3f} m/s")
+    endless = not curve.crossings and not curve.lost and curve.sigma[-1] > 0
+    notes = [] if curve.complete and not endless else [f"{place}: its curve {curve.ended}"]
+    notes += [f"{place}: {words}" for words in curve.lost]
     refined = []
     for crossing in curve.crossings:
         cycle = refine(curve.balance, crossing)
-        if cycle is None:
-            notes.append(f"{place}: the cycle at {crossing.frequency_hz:.1f} Hz got lost with more harmonics")
+        if isinstance(cycle, Lost):
+            notes.append(f"{place}: {cycle.words}")
         else:
             refined.append(cycle)
     return refined, notes

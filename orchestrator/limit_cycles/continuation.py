@@ -118,7 +118,8 @@ class Curve:
     ----------
     x, direction : where it stands and in which direction it goes
     step : length of the next step
-    largest : largest length of a step
+    largest, smallest : largest length of a step, and the one below which it goes no further
+    newton_steps : largest number for a point
     """
 
     equations: Equations
@@ -127,6 +128,7 @@ class Curve:
     step: float = 0.1
     largest: float = 0.4
     smallest: float = 1e-4
+    newton_steps: int = 10
 
     def advance(self) -> Solution | None:
         """Go to the next point; None if there is none that can be reached."""
@@ -134,7 +136,7 @@ class Curve:
         while self.step >= self.smallest:
             predicted = self.x + self.step * self.direction
             row = weights**2 * self.direction
-            found = newton(self.equations, predicted, row, float(row @ predicted), limit=10)
+            found = newton(self.equations, predicted, row, float(row @ predicted), limit=self.newton_steps)
             if found.solved and self._near(found):
                 direction = tangent(found.jacobian, weights, self.direction)
                 if (weights**2 * direction) @ self.direction > 0.8:

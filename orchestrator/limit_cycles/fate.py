@@ -74,7 +74,8 @@ class Stability:
             return "; ".join(filter(None, (first, f"breaks up through sidebands at {lines} Hz")))
         if self.kind == "period doubling":
             return "; ".join(filter(None, (first, f"period doubles: a line at {self.sideband_hz[0]:.1f} Hz grows")))
-        return {"stable": "stable", "undecided": "not decided: its exponent is nearly zero"}.get(self.kind, first)
+        undecided = f"not decided: its largest exponent, {self.largest.real:+.3f} 1/s, is within the error of zero"
+        return {"stable": "stable", "undecided": undecided}.get(self.kind, first)
 
 
 def stability(balance: Balance, state: State) -> tuple[Balance, State, Stability]:
@@ -111,8 +112,11 @@ def _judge(balance: Balance, state: State, exponents: Floquet) -> Stability:
     error = abs(exponents.phase) if np.isfinite(exponents.phase) else float("inf")
     if sidebands is not None:
         error = abs(sidebands.exponent.real - largest.real)
-    if largest.real < UNDECIDED:
-        kind = "stable" if largest.real < -UNDECIDED else "undecided"
+    doubtful = not abs(exponents.phase) < PHASE_ERROR and abs(largest.real) < error
+    if abs(largest.real) < UNDECIDED or doubtful:
+        kind = "undecided"
+    elif largest.real < 0:
+        kind = "stable"
     elif not pair:
         kind = "threshold"
     else:

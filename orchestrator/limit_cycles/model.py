@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fmus.component import Instance
 from fmus.contact.component import contact
 from fmus.contact.linearised import LinearContact
+from fmus.contact.parameters import WITH_MEMORY
 from fmus.modal.modes import Modes
 
 from ..errors import InputError
@@ -51,7 +52,9 @@ class SquealModel:
         return cls(linear.wheel, linear.rail, linear.law)
 
     def __post_init__(self) -> None:
-        """Check that every mode that the contact moves is held."""
+        """Check that every mode that the contact moves is held, and that the contact has no memory."""
+        if self.contact.get("creep_law") == WITH_MEMORY:
+            raise InputError("contact: creep_law = 2: cycles are those of a steady law, 0 or 1; run the system instead")
         for name, modes in (("wheel", self.wheel), ("rail", self.rail)):
             if isinstance(modes, Modes):
                 free = np.flatnonzero((modes.omega == 0) & modes.shape.any(axis=1))

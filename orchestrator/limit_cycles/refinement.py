@@ -36,8 +36,20 @@ class Refined:
     change: float
 
 
-def refine(balance: Balance, state: State, ladder: tuple[Truncation, ...] = LADDER) -> Refined | None:
-    """Return the cycle at a truncation from which its level does not change any more; None if it gets lost.
+@dataclass(frozen=True)
+class Lost:
+    """A cycle that is not found again with more harmonics.
+
+    Attributes
+    ----------
+    words : how far it came
+    """
+
+    words: str
+
+
+def refine(balance: Balance, state: State, ladder: tuple[Truncation, ...] = LADDER) -> Refined | Lost:
+    """Return the cycle at a truncation from which its level does not change any more, or how far it was solved.
 
     The last truncation is taken as it is; `change` tells how far it is from the one before.
     """
@@ -47,10 +59,10 @@ def refine(balance: Balance, state: State, ladder: tuple[Truncation, ...] = LADD
         finer = balance.at(truncation.harmonics, truncation.samples)
         solved = solve_free(finer, state.resized(truncation.harmonics))
         if solved is None:
-            return None
+            return _lost(balance, state, truncation, "is not solved")
         found, residual = solved
         if abs(found.amplitude - state.amplitude) > _LARGEST_CHANGE * state.amplitude:
-            return None
+            return _lost(balance, state, truncation, f"becomes one of {found.amplitude:.3f} m/s")
         new = relative_rms(finer, found)
         finer_indeed = truncation.harmonics > balance.truncation.harmonics
         change = abs(new / level - 1) if finer_indeed else np.inf
@@ -58,6 +70,14 @@ def refine(balance: Balance, state: State, ladder: tuple[Truncation, ...] = LADD
         if change < STANDS_STILL:
             break
     return Refined(balance, state, residual, change)
+
+
+def _lost(balance: Balance, state: State, tried: Truncation, words: str) -> Lost:
+    """Return the sentence about a cycle that was solved at one truncation and not at the next."""
+    return Lost(
+        f"the cycle at {state.frequency_hz:.1f} Hz, {state.amplitude:.3f} m/s, was solved with "
+        f"{balance.truncation.harmonics} harmonics; with {tried.harmonics} it {words}"
+    )
 
 
 def solve_free(balance: Balance, state: State) -> tuple[State, float] | None:

@@ -44,7 +44,7 @@ def cycles_of(
         radiator=Radiator.of(model.wheel), report=report,
     )  # fmt: skip
     if not found.cycles:
-        raise InputError("; ".join((found.quiet_words(), *found.notes)))
+        raise InputError(found.quiet_words())
     if tone_hz is not None:
         found.near(tone_hz)
     return found

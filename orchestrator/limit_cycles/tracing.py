@@ -24,11 +24,32 @@ START = 0.004
 LARGEST = 0.6
 """Amplitude up to which a curve is followed [m/s]."""
 
+_LARGEST_STEP = 0.35
+
 LOWEST = -40.0
 """Growth rate down to which a curve is followed [1/s]."""
 
-_POINTS = 200
 _SLOWEST = 1e-6
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is done for a curve until it is given up.
+
+    Attributes
+    ----------
+    points : largest number of points
+    newton_steps : largest number of Newton's method for a point
+    smallest : smallest scaled distance of points
+    """
+
+    points: int = 200
+    newton_steps: int = 10
+    smallest: float = 1e-4
+
+
+EFFORT = Effort()
+"""What is enough for all curves of the cases."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +109,9 @@ class Trace:
     balance : the equations that its points solve
     amplitude, sigma, frequency_hz : (m,) along the curve; sigma is the growth rate at that amplitude
     crossings : solutions with sigma = 0, at the same truncation
-    ended : why it ends where it does, in words
+    ended : why it ends where it does, and what was tried, in words
     complete : whether it was followed as far as it should be
+    lost : zeros that were passed and not solved, one sentence each
     """
 
     pole: Pole
@@ -100,6 +122,7 @@ class Trace:
     crossings: tuple[State, ...]
     ended: str
     complete: bool
+    lost: tuple[str, ...] = ()
 
 
 def equations_of(model: SquealModel, pole: Pole, truncation: Truncation) -> Balance:
@@ -107,7 +130,7 @@ def equations_of(model: SquealModel, pole: Pole, truncation: Truncation) -> Bala
     return Balance(model, truncation, reference_of(model.active, pole.motion), omega_scale=0.01 * pole.value.imag)
 
 
-def start_of(balance: Balance, pole: Pole) -> Solution:
+def start_of(balance: Balance, pole: Pole, newton_steps: int = 20) -> Solution:
     """Return the motion at the small amplitude `START` beside a pole."""
     H = balance.truncation.harmonics
     y = pole.motion[balance.reference] * balance.reference_factor
@@ -116,47 +139,58 @@ def start_of(balance: Balance, pole: Pole) -> Solution:
     x = balance.pack(State(forces, pole.value.imag, START, pole.growth_rate))
     row = np.zeros(balance.size)
     row[-2] = 1.0
-    return newton(balance, x, row, float(x[-2]))
+    return newton(balance, x, row, float(x[-2]), newton_steps)
 
 
-def trace(model: SquealModel, pole: Pole, truncation: Truncation, largest: float = 0.35) -> Trace:
+def trace(model: SquealModel, pole: Pole, truncation: Truncation, effort: Effort = EFFORT) -> Trace:
     """Follow the curve of a pole from small amplitude on.
 
     The curve ends at the amplitude `LARGEST`, where it comes back to zero or to itself, or where the growth rate has
     fallen far.
     """
     balance = equations_of(model, pole, truncation)
-    start = start_of(balance, pole)
+    start = start_of(balance, pole, 2 * effort.newton_steps)
     none = np.zeros(0)
     if not start.solved:
-        return Trace(pole, balance, none, none, none, (), f"does not start (residual {start.residual:.1e})", False)
+        words = f"does not start: residual {start.residual:.1e} after {start.iterations} Newton steps at {START:g} m/s"
+        return Trace(pole, balance, none, none, none, (), words, complete=False)
     up = np.zeros(balance.size)
     up[-2] = 1.0
-    curve = Curve(balance, start.x, tangent(start.jacobian, balance.weights, up), largest=largest)
-    points, crossings, ended = [start.x], list[State](), "was left after many points at"
+    curve = Curve(
+        balance, start.x, tangent(start.jacobian, balance.weights, up), largest=_LARGEST_STEP,
+        smallest=effort.smallest, newton_steps=effort.newton_steps,
+    )  # fmt: skip
+    points, crossings, lost = [start.x], list[State](), list[str]()
+    ended = "that are as many as are made"
     lowest = min(LOWEST, pole.growth_rate + LOWEST)
     complete = False
-    while len(points) < _POINTS and not complete:
+    while len(points) < effort.points and not complete:
         found = curve.advance()
         if found is None:
-            ended = "cannot be followed further than"
+            ended = (
+                f"with {truncation.harmonics} harmonics and {effort.newton_steps} Newton steps for a point "
+                f"none beyond is found at distances down to {effort.smallest:g}"
+            )
             break
         points.append(found.x)
-        crossing = _crossing(balance, points[-2], points[-1])
-        closed = crossing is not None and any(_same(crossing, c) for c in crossings)
-        if crossing is not None and not closed:
+        crossing = _crossing(balance, points[-2], points[-1]) if points[-2][-1] * found.x[-1] <= 0 else None
+        if isinstance(crossing, str):
+            lost.append(crossing)
+        closed = isinstance(crossing, State) and any(_same(crossing, c) for c in crossings)
+        if isinstance(crossing, State) and not closed:
             crossings.append(crossing)
         state = balance.unpack(found.x)
         complete = closed or not 0 < state.amplitude < LARGEST or state.free < lowest
     x = np.array(points)[:, -3:] * (balance.omega_scale / (2 * np.pi), AMPLITUDE_SCALE, balance.free_scale)
-    ended = "is complete at" if complete else ended
-    return Trace(pole, balance, x[:, 1], x[:, 2], x[:, 0], tuple(crossings), ended, complete)
+    ended = (
+        f"was followed over {len(points)} points to {x[-1, 1]:.3f} m/s, where the growth rate is {x[-1, 2]:.3g} 1/s"
+        + ("" if complete else f"; {ended}")
+    )
+    return Trace(pole, balance, x[:, 1], x[:, 2], x[:, 0], tuple(crossings), ended, complete, tuple(lost))
 
 
-def _crossing(balance: Balance, before: Real, after: Real) -> State | None:
-    """Return the solution with sigma = 0 between two points; None if there is none or Newton's method strays."""
-    if before[-1] * after[-1] > 0:
-        return None
+def _crossing(balance: Balance, before: Real, after: Real) -> State | str:
+    """Return the solution with sigma = 0 between two points, or what Newton's method came to instead."""
     part = before[-1] / (before[-1] - after[-1])
     guess = before + part * (after - before)
     guess[-1] = 0.0
@@ -164,9 +198,13 @@ def _crossing(balance: Balance, before: Real, after: Real) -> State | None:
     row[-1] = 1.0
     found = newton(balance, guess, row, 0.0, limit=30)
     state, first = balance.unpack(found.x), balance.unpack(guess)
-    if not found.solved or abs(state.amplitude - first.amplitude) > 0.3 * first.amplitude + 0.005:
-        return None
-    return state
+    if not found.solved:
+        words = f"Newton's method ends at a residual of {found.residual:.1e} after {found.iterations} steps"
+    elif abs(state.amplitude - first.amplitude) > 0.3 * first.amplitude + 0.005:
+        words = f"Newton's method goes to {state.amplitude:.3f} m/s"
+    else:
+        return state
+    return f"the cycle near {first.frequency_hz:.1f} Hz, {first.amplitude:.3f} m/s, is not solved: {words}"
 
 
 def _same(a: State, b: State) -> bool:

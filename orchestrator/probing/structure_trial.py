@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from fmus.interface import DIRECTIONS
 
@@ -84,6 +83,8 @@ def _rest(trial: Trial) -> tuple[str, str]:
 
 def _linearity(trial: Trial) -> tuple[str, str]:
     """Random forces in all directions give the superposition of the impulse responses."""
+    from scipy.signal import fftconvolve  # noqa: PLC0415
+
     forces, velocity = trial.forces, trial.motion.velocity
     pulses = trial.responses.velocity[:RANDOM_STEPS]
     expected = sum(fftconvolve(pulses[:, :, k], forces[:, k : k + 1], axes=0)[:RANDOM_STEPS] for k in range(4))

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from ..published.cases import PAPER_HZ, SAME_TONE
 from ..results.file import open_results
+from ..signals.figures_told import FIGURES
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
 from ..signals.spectra import regular
-from ..signals.summary import sample_interval
+from ..signals.summary import sample_interval, summarise
 from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import LinearModel, model_of
@@ -52,6 +53,7 @@ class Section:
     audio : MP3, base64; None if there is nothing to hear
     residual : energy that the coupling added, by direction [J]
     spurious : what the scheme adds to the growth, in words; None where it is not known
+    figures : numbers of its second half: label and words
     plots : figures
     """
 
@@ -67,6 +69,7 @@ class Section:
     audio: str | None
     residual: Mapping[str, float]
     spurious: str | None
+    figures: Sequence[tuple[str, str]]
     plots: Sequence[Plot] = field(default_factory=list)
 
     @property
@@ -154,7 +157,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     if data.sizes["time"] < _LEAST_ROWS:
         raise InputError(f"{path}: has {data.sizes['time']} rows; a report needs at least {_LEAST_ROWS}")
     (model, unknown), cycle = _model(data), limit_cycle(data)
-    sound, silence = _sound(data)
+    (sound, silence), numbers = _sound(data), summarise(data)
     return Section(
         key=key,
         title=str(data.attrs.get("title") or path.stem),
@@ -168,6 +171,7 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
         audio=_audio(data) if sound is not None and cycle.squeals else None,
         residual={str(n).removeprefix(_ADDED): float(data[n][-1]) for n in data.data_vars if str(n).startswith(_ADDED)},
         spurious=_spurious(data, model, unknown),
+        figures=[(figure.label, figure.words(numbers)) for figure in FIGURES],
         plots=_plots(data, model, sound),
     )
 

@@ -59,4 +59,4 @@ class Changes:
     def scenario(self, system: str, **how: Any) -> Scenario:
         """Return the scenario of the changed system; `how` as `Scenario` has it."""
         values, sources = self.resolved(system)
-        return Scenario(system, values=values, sources=sources, **how)
+        return Scenario(system, values=values, sources=sources, **how).absolute()

@@ -123,7 +123,7 @@ def write_checkpoint(
     results.sync()
     head = {
         "format": FORMAT,
-        "scenario": _absolute(scenario),
+        "scenario": _as_data(scenario),
         "checksums": {name: fmu.checksum for name, fmu in master.assembly.fmus.items()},
         "steps": master.progress.steps,
         "wall": master.progress.wall,
@@ -147,14 +147,10 @@ def write_checkpoint(
         raise InputError(f"checkpoint {path}: cannot be written: {error.strerror or error}") from None
 
 
-def _absolute(scenario: Scenario) -> dict[str, Any]:
+def _as_data(scenario: Scenario) -> dict[str, Any]:
     """Return a scenario as JSON data that means the same in any folder."""
-    data = asdict(scenario)
-    file, separator, variant = scenario.system.partition("#")
-    if Path(file).suffix in (".ssp", ".ssd"):
-        data["system"] = f"{Path(file).absolute()}{separator}{variant}"
-    data["sources"] = {name: str(Path(source).absolute()) for name, source in scenario.sources.items()}
-    return data
+    data = asdict(scenario.absolute())
+    return {**data, "sources": {name: str(source) for name, source in data["sources"].items()}}
 
 
 def read_checkpoint(path: Path) -> Checkpoint:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..coupling.master import Progress, Settings
 from ..plain_json import dumps
 from ..results.file import open_results
+from ..signals.figures_told import FIGURES
 from ..signals.summary import Summary
 from ..stability.scheme import Spurious
 from .verdict import Verdict, energy_share
@@ -51,7 +52,7 @@ class Outcome:
 
 def as_json(outcome: Outcome) -> str:
     """Return an outcome as one JSON object."""
-    s, p = outcome.summary, outcome.progress
+    p = outcome.progress
     data = {
         "case": outcome.case,
         **outcome.verdict.as_data(),
@@ -62,18 +63,11 @@ def as_json(outcome: Outcome) -> str:
         "algorithm": outcome.settings.algorithm,
         "sweeps_per_step": p.sweeps,
         "most_sweeps": p.most_sweeps,
-        "dominant_frequency_hz": s.dominant_frequency_hz,
-        "growth_rate": s.growth_rate,
-        "wheel_velocity_rms": s.wheel_velocity_rms,
-        "rail_velocity_rms": s.rail_velocity_rms,
-        "wheel_velocity_rms_contact": s.wheel_contact_rms,
-        "rail_velocity_rms_contact": s.rail_contact_rms,
-        "contact_lost": s.contact_lost,
+        **{figure.name: figure.value(outcome.summary) for figure in FIGURES},
         "energy_residual": p.energy_residual,
         "energy_into_structures": p.energy_into_structures,
         "energy_into": p.energy_into,
         "energy_residual_share": energy_share(p),
-        "energy_dissipated": s.energy_dissipated,
         "max_growth_rate_error": outcome.spurious.largest,
         "spurious_growth": outcome.spurious.sentence,
         "completed": outcome.error is None and not p.stopped,

@@ -5,16 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..coupling.master import Master, Progress
 from ..errors import InputError, SimulationError
 from ..results.file import ResultsFile, open_results
 from ..results.formats import require_parquet, write_csv, write_parquet
-from ..signals.summary import Summary, summarise
-from ..stability.scheme import Spurious, spurious_growth
+from ..results.samples import read_samples
+from ..signals.summary import summarise
+from ..stability.scheme import spurious_growth
 from .attributes import IDENTITY, RUN, _attributes
 from .checkpoint import check_serialisable, read_checkpoint, write_checkpoint
 from .identity import identity, resolved
@@ -22,11 +21,7 @@ from .outcome import Outcome
 from .scenario import Scenario
 from .stopping import stop_on_signals
 from .trial import try_replaced
-from .verdict import Verdict, verdict
-
-if TYPE_CHECKING:  # xarray takes a second to import
-    import xarray as xr
-
+from .verdict import verdict
 
 LONG, SOON = 3600.0, 1.0
 """Wall time of a run that is told of beforehand, and after which it is known well enough [s]."""
@@ -56,19 +51,19 @@ class Report:
     notice : called with each sentence that the user should read
     csv, parquet : whether to write the results in this form, too
     trial : whether replaced structures are tried before the run
-    picture : whether to draw histories and spectra
+    picture : whether to draw histories and spectra; it can be had later (`orchestrator.figures.run.draw_run`)
     """
 
     progress: Callable[[Progress], None] = lambda _: None
     notice: Callable[[str], None] = lambda _: None
     csv: bool = False
-    picture: bool = True
+    picture: bool = False
     parquet: bool = False
     trial: bool = True
 
 
 def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keeping | None = None) -> Outcome:
-    """Run a scenario and leave results and picture in `folder`; earlier results there are kept.
+    """Run a scenario and leave results in `folder`; earlier results there are kept.
 
     Raises
     ------
@@ -79,6 +74,8 @@ def run_scenario(scenario: Scenario, folder: Path, report: Report, keeping: Keep
     """
     if report.parquet:
         require_parquet()
+    scenario, folder = scenario.absolute(), folder.absolute()  # an FMU may change the working directory
+    keeping = None if keeping is None else replace(keeping, path=keeping.path.absolute())
     assembly, settings = scenario.prepare()
     if report.trial:
         try_replaced(assembly, settings)
@@ -103,6 +100,7 @@ def resume(checkpoint: Path, report: Report, every: float = Keeping.every) -> Ou
     InputError
         If the checkpoint, its results or its FMUs are not there or not the same.
     """
+    checkpoint = checkpoint.absolute()
     kept = read_checkpoint(checkpoint)
     assembly, settings = kept.scenario.prepare()
     kept.check(assembly, settings)
@@ -157,28 +155,24 @@ def _go(scenario: Scenario, master: Master, results: ResultsFile, report: Report
         except OSError as failure:
             error = f"{results.path}: cannot write results: {failure.strerror or failure}"
     spurious = spurious_growth(master.assembly, master.settings)
-    summary, picture, answer = _finish(results.path, error, report, partial(_verdict, master.progress, spurious))
+    data = read_samples(results.path)
+    summary = summarise(data)
+    answer = verdict(results.path, data, summary, master.progress, spurious)
+    picture = _write_more(results.path, error, report)
     case = master.assembly.system.name
     return Outcome(case, master.settings, master.progress, summary, results.path, picture, spurious, error, answer)
 
 
-def _verdict(progress: Progress, spurious: Spurious, data: xr.Dataset, summary: Summary) -> Verdict:
-    return verdict(data, summary, progress, spurious)
-
-
-def _finish(
-    path: Path, error: str | None, report: Report, answer: Callable[[xr.Dataset, Summary], Verdict]
-) -> tuple[Summary, Path | None, Verdict]:
-    """Summarise, judge and draw what was recorded."""
+def _write_more(path: Path, error: str | None, report: Report) -> Path | None:
+    """Draw what was recorded and write it in other forms, as wanted; return the picture."""
+    if not (report.picture or report.csv or report.parquet):
+        return None
+    picture = path.with_suffix(".png") if report.picture else None
     with open_results(path) as data:
-        summary = summarise(data)
-        judged = answer(data, summary)
-        picture = None
         try:
-            if report.picture:
-                from ..figures.run import draw_run  # noqa: PLC0415 - matplotlib takes its time
+            if picture is not None:
+                from ..figures.run import draw_run  # noqa: PLC0415
 
-                picture = path.with_suffix(".png")
                 draw_run(data, picture)
             if report.csv:
                 write_csv(data, path.with_suffix(".csv"))
@@ -187,4 +181,4 @@ def _finish(
         except OSError as failure:
             said = f"cannot write beside {path}: {failure.strerror or failure}"
             raise SimulationError(f"{error}; {said}" if error else said) from None
-        return summary, picture, judged
+    return picture

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from fmus.contact.friction.named import NAMED
 from fmus.interface import INITIAL_VELOCITY, PULSE_FORCE
 from fmus.modal.parameters import names_of
 
@@ -16,6 +17,7 @@ from ..coupling.master import Settings
 from ..errors import Fault, InputError
 from ..fmi.instance import Fmu, Value
 from ..system.cases import find_system
+from ..system.friction import FRICTION
 from ..system.settable import spread
 
 RANDOM_START = 1e-3
@@ -51,6 +53,21 @@ class Scenario:
     timeout: float | None = None
     strict: bool = False
 
+    def absolute(self) -> Scenario:
+        """Return a scenario that means the same in any folder; an FMU may go to another one while it runs."""
+        file, separator, variant = self.system.partition("#")
+        named = Path(file).suffix in (".ssp", ".ssd")
+        values = {
+            component: {n: str(Path(str(v)).absolute()) if _is_file(n, v) else v for n, v in own.items()}
+            for component, own in self.values.items()
+        }
+        return replace(
+            self,
+            system=f"{Path(file).absolute()}{separator}{variant}" if named else self.system,
+            values=values,
+            sources={name: file.absolute() for name, file in self.sources.items()},
+        )
+
     def prepare(self) -> tuple[Assembly, Settings]:
         """Return the assembled system and the settings of the run."""
         system = find_system(self.system)
@@ -74,6 +91,11 @@ class Scenario:
         if faults and self.strict:
             raise InputError(f"{faults[0]}; refused, as everything is read strictly")
         return assembly, settings
+
+
+def _is_file(name: str, value: Value) -> bool:
+    """Return whether a value is the file of a friction law."""
+    return name == FRICTION and str(value) not in NAMED and Path(str(value)).is_file()
 
 
 def random_start(fmus: Mapping[str, Fmu], seed: int) -> dict[str, dict[str, Value]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from fmus.modal.parameters import modal_velocities
 
 from ..errors import InputError
+from ..results.file import open_results
+from ..results.samples import Samples
 from ..signals.limit_cycle import SQUEAL_VELOCITY, limit_cycle
 from ..signals.spectra import regular
 from ..signals.summary import Summary
@@ -17,9 +20,7 @@ from ..sound.levels import Sound, sound_of
 from ..sound.wheelset import wheelset_of
 from ..stability.scheme import Spurious
 
-if TYPE_CHECKING:  # xarray takes a second to import
-    import xarray as xr
-
+if TYPE_CHECKING:
     from ..coupling.settings import Progress
 
 NEAR = 0.1
@@ -79,12 +80,12 @@ class Verdict:
         }
 
 
-def verdict(data: xr.Dataset, summary: Summary, progress: Progress, spurious: Spurious) -> Verdict:
+def verdict(path: Path, data: Samples, summary: Summary, progress: Progress, spurious: Spurious) -> Verdict:
     """Return the verdict on a run.
 
     Parameters
     ----------
-    data : its results
+    path, data : its results file, and what is in it
     """
     if "wheel.v_lat" not in data:
         trust, reasons = _trust(progress, spurious)
@@ -93,7 +94,7 @@ def verdict(data: xr.Dataset, summary: Summary, progress: Progress, spurious: Sp
     cycle = limit_cycle(data)
     growing = None if cycle.squeals else spurious.fastest
     trust, reasons = _trust(progress, spurious, growing is not None)
-    sound = _sound(data) if cycle.squeals else None
+    sound = _sound(path) if cycle.squeals else None
     band = None if sound is None else (sound.low_dba, sound.high_dba)
     level = None if sound is None else sound.level_dba
     irregular = cycle.irregular if cycle.squeals else None
@@ -121,23 +122,24 @@ def _words(squeals: bool, tone: float | None, mode: str | None, growth: float | 
     return f"does not squeal: the wheel's lateral velocity stays below {1e3 * SQUEAL_VELOCITY:g} mm/s"
 
 
-def _sound(data: xr.Dataset) -> Sound | None:
+def _sound(path: Path) -> Sound | None:
     """Return the sound of a run, coarser for a short one; None where it is not known."""
-    for resolution in (2.0, SHORT_HZ):
-        try:
-            return sound_of(data, resolution_hz=resolution)
-        except InputError:
-            continue
+    with open_results(path) as data:
+        for resolution in (2.0, SHORT_HZ):
+            try:
+                return sound_of(data, resolution_hz=resolution)
+            except InputError:
+                continue
     return None
 
 
-def _mode(data: xr.Dataset, tone_hz: float) -> str | None:
+def _mode(data: Samples, tone_hz: float) -> str | None:
     """Return the wheel mode near a tone that moves most, without its family; None where the wheel is not known."""
     try:
         modes = wheelset_of(data).modes
     except InputError:
         return None
-    names = modal_velocities("wheel", data.data_vars)
+    names = modal_velocities("wheel", data)
     near = np.flatnonzero(np.abs(modes.omega / (2 * np.pi * tone_hz) - 1) < NEAR)
     if len(names) != len(modes.labels) or not near.size:
         return None

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from ..stability.poles import Poles
 from .axes import lateral_and_normal
@@ -18,10 +17,13 @@ from .summary import dominant_frequency, sample_interval, spectrum
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
+    from ..results.samples import Samples
+
 Real = NDArray[np.float64]
 
 STEADY = 0.05
-"""A vibration is steady if its levels in the quarters of the second half differ by less than this part."""
+"""A vibration is steady if its levels in the quarters of the second half differ by less than this part: half a
+decibel, which is not heard."""
 
 SQUEAL_VELOCITY = 1e-3
 """Lateral velocity of the wheel, rms, below which a run does not squeal [m/s]: half a per cent of the sliding velocity
@@ -31,12 +33,18 @@ LINEAR_VELOCITY = 0.02
 """Lateral velocity up to which growth counts as linear [m/s]: a tenth of the sliding velocity."""
 
 STICK = 0.95
-"""A contact sticks, at least in part, while the creep force is below this part of the friction limit."""
+"""A contact sticks, at least in part, while the creep force is below this part of the friction limit; in full slip
+it is the limit."""
 
 HARMONICS = 6
+"""Multiples of a tone that are told: those of 1100 Hz up to the end of the band of the wheel's data."""
+
 _WINDOW_S = 0.08
-_SETTLED_S = 0.01
 _SHORTEST_WINDOW_S = 0.02
+"""Longest and shortest window by which growth is told from that of another tone [s]: 25 and 100 Hz apart, two lines."""
+
+_SETTLED_S = 0.01
+"""Time after which what the starting pulse forced has gone [s]: a hundred times its length."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +124,7 @@ class LimitCycle:
         return self.squeals and self.unsteadiness < STEADY
 
 
-def limit_cycle(data: xr.Dataset) -> LimitCycle:
+def limit_cycle(data: xr.Dataset | Samples) -> LimitCycle:
     """Return what the second half of a run does.
 
     Parameters
@@ -146,15 +154,15 @@ def limit_cycle(data: xr.Dataset) -> LimitCycle:
     )
 
 
-def _values(data: xr.Dataset, name: str) -> Real:
-    return data[name].to_numpy().astype(float)
+def _values(data: xr.Dataset | Samples, name: str) -> Real:
+    return np.asarray(data[name], dtype=float)
 
 
 def _rms(values: Real) -> float:
     return float(np.sqrt(np.square(values).mean()))
 
 
-def _ratios(half: xr.Dataset) -> dict[str, float]:
+def _ratios(half: xr.Dataset | Samples) -> dict[str, float]:
     """Return rms velocity of the rail over that of the wheel, by direction of track and contact."""
     wheel, rail = (lateral_and_normal(half, component) for component in ("wheel", "rail"))
     return {d: _rms(rail[d]) / size for d in rail if d in wheel and (size := _rms(wheel[d])) > 0}
@@ -172,7 +180,7 @@ def _second_tone(signal: Real, interval: float, frequency: float | None) -> floa
         return float(20 * np.log10(strongest / amplitude.max()))
 
 
-def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tuple[Harmonic, ...]:
+def _harmonics(half: xr.Dataset | Samples, interval: float, frequency: float | None) -> tuple[Harmonic, ...]:
     """Return the amplitudes at the multiples of a frequency that the sampling holds."""
     if frequency is None:
         return ()
@@ -194,7 +202,7 @@ def _harmonics(half: xr.Dataset, interval: float, frequency: float | None) -> tu
     )
 
 
-def _contact(half: xr.Dataset) -> tuple[Real | None, Real | None, float | None]:
+def _contact(half: xr.Dataset | Samples) -> tuple[Real | None, Real | None, float | None]:
     """Return normal force, friction force and the part of the time in stick; None where they were not recorded."""
     names = ("normal_force", "tangential_force_lat", "friction_coefficient")
     if not all(f"contact.{name}" in half for name in names):
@@ -217,6 +225,8 @@ def growth_of(data: xr.Dataset, poles: Poles) -> tuple[Growth, ...]:
     the end of the starting pulse to where the velocity passes `LINEAR_VELOCITY`. The window is half of that time, at
     most 80 ms; if it is shorter than 20 ms, there is no growth to measure.
     """
+    from scipy.signal import fftconvolve  # noqa: PLC0415
+
     velocity, interval = _values(data, "wheel.v_lat"), sample_interval(data)
     large = np.flatnonzero(np.abs(velocity) > LINEAR_VELOCITY)
     begin, end = round(_SETTLED_S / interval), int(large[0]) if large.size else velocity.size

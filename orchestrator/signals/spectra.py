@@ -7,16 +7,17 @@ Third-octave bands are those of IEC 61260-1 (base 10), the A-weighting is that o
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import welch
 
 from ..errors import InputError
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
+
+    from ..results.samples import Samples
 
 Real = NDArray[np.float64]
 
@@ -40,14 +41,14 @@ _LINES_PER_BAND = 3
 """A band narrower than this many lines says nothing of its own."""
 
 
-Samples = TypeVar("Samples", "xr.Dataset", "xr.DataArray")
+Rows = TypeVar("Rows", bound="xr.Dataset | xr.DataArray | Samples")
 
 
-def regular(data: Samples) -> Samples:
+def regular(data: Rows) -> Rows:
     """Return the rows that are equally far apart: all but a last one that is there only as the end of the run."""
-    time = data["time"].to_numpy() if "time" in data.coords else np.zeros(0)
+    time = np.asarray(data["time"]) if "time" in data.sizes else np.zeros(0)
     if time.size > 2 and time[-1] - time[-2] < (1 - 1e-3) * (time[1] - time[0]):
-        return data.isel(time=slice(None, -1))
+        return cast("Rows", data.isel(time=slice(None, -1)))
     return data
 
 
@@ -102,6 +103,7 @@ def narrow_band(signal: xr.DataArray, resolution_hz: float = 1.0) -> xr.DataArra
     (4.5, '(m/s)^2', 50.0)
     """
     import xarray as xr  # noqa: PLC0415
+    from scipy.signal import welch  # noqa: PLC0415
 
     signal = regular(signal)
     interval = sample_interval_of(signal.isel({name: 0 for name in signal.dims if name != "time"}))

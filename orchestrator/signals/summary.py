@@ -16,6 +16,8 @@ from .spectra import regular
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
+    from ..results.samples import Samples
+
 Real = NDArray[np.float64]
 
 GROWTH_WINDOW = 0.01
@@ -109,7 +111,7 @@ def growth_rate(signal: ArrayLike, interval: float) -> float | None:
     return rate if rate > 0 else None
 
 
-def summarise(data: xr.Dataset) -> Summary:
+def summarise(data: xr.Dataset | Samples) -> Summary:
     """Return the numbers of a run of the wheel/rail system."""
     whole, data = data, regular(data)
     half = data.isel(time=slice(data.sizes["time"] // 2, None))
@@ -121,29 +123,29 @@ def summarise(data: xr.Dataset) -> Summary:
         growth = growth_rate(data[lateral], interval)
     lost = dissipated = None
     if "contact.normal_force" in half:
-        lost = float((half["contact.normal_force"] <= 0).mean())
+        lost = float((np.asarray(half["contact.normal_force"]) <= 0).mean())
     if "contact.power_dissipated" in data:
-        power, time = (whole[name].to_numpy().astype(float) for name in ("contact.power_dissipated", "time"))
+        power, time = (np.asarray(whole[name], dtype=float) for name in ("contact.power_dissipated", "time"))
         dissipated = float(power[1:] @ np.diff(time))
     track = (velocity_rms(half, "wheel"), velocity_rms(half, "rail"))
     return Summary(frequency, growth, *track, contact_rms(half, "wheel"), contact_rms(half, "rail"), lost, dissipated)
 
 
-def velocity_rms(data: xr.Dataset, component: str) -> dict[str, float]:
+def velocity_rms(data: xr.Dataset | Samples, component: str) -> dict[str, float]:
     """Return the rms velocity of a structure by direction."""
     return {
-        d: float(np.sqrt(np.mean(np.square(data[f"{component}.v_{d}"].to_numpy().astype(float)))))
+        d: float(np.sqrt(np.mean(np.square(np.asarray(data[f"{component}.v_{d}"], dtype=float)))))
         for d in DIRECTIONS
         if f"{component}.v_{d}" in data
     }
 
 
-def contact_rms(data: xr.Dataset, component: str) -> dict[str, float]:
+def contact_rms(data: xr.Dataset | Samples, component: str) -> dict[str, float]:
     """Return the rms velocity of a structure in the contact plane and along the normal; empty where not known."""
     motion = lateral_and_normal(data, component)
     return {d: float(np.sqrt(np.mean(np.square(motion[d])))) for d in (PLANE, NORMAL) if d in motion}
 
 
-def sample_interval(data: xr.Dataset) -> float:
+def sample_interval(data: xr.Dataset | Samples) -> float:
     """Return the time between rows, decimation times step as the file tells them [s]."""
     return float(data.attrs["step_s"]) * int(data.attrs["record_every"])

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import h1vp, sici
 
 from fmus.modal.data import read_modal_data
-from fmus.rail.component import DATA
+from fmus.rail.component import DATA, SHIPPED
 from fmus.rail.track import decay_rates
 from fmus.rail.track_data import TRACKS, Track, read_track
 
@@ -31,8 +31,8 @@ Real = NDArray[np.float64]
 DIRECTIONS = ("lat", "ver")
 """Directions in which the rail radiates, in the order of `decay_rates`."""
 
-OF_DEFAULT_TRACK = ("rail.toml", "rail-paper.toml")
-"""Shipped rails that are modal equivalents of the default track, whose decay rates they have."""
+OF_DEFAULT_TRACK = ("accurate", "paper")
+"""Methods by which shipped rails are modal equivalents of the default track, whose decay rates they have."""
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ def rail_of(data: xr.Dataset, resolution_hz: float) -> RailSpectra | str:
     if not any(np.abs(data[name].to_numpy()).max() > 0 for name in names):
         return RailSpectra((lateral, vertical), None)
     frequency = block(data, "rail", "frequency")
-    for name in OF_DEFAULT_TRACK:
-        own = read_modal_data(DATA / name).modes.omega / (2 * np.pi)
+    for name in (name for name, rail in SHIPPED.items() if rail.method in OF_DEFAULT_TRACK):
+        own = read_modal_data(DATA / f"{name}.toml").modes.omega / (2 * np.pi)
         if own.size == frequency.size and np.allclose(own, frequency, rtol=SAME_FREQUENCY):
             return RailSpectra((lateral, vertical), read_track(TRACKS / "default.toml"))
     return "the decay rates of its rail are not known; those of the default track belong to its modal equivalents only"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from fractions import Fraction
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -191,8 +192,6 @@ def write_wav(pressure: Pressure, path: Path, source: str) -> Calibration:
 
 def compressed(pressure: Pressure, seconds: float) -> bytes:
     """Return the first `seconds` of a pressure as MP3, as loud as it goes: to listen to, not to measure."""
-    from io import BytesIO  # noqa: PLC0415
-
     import soundfile  # noqa: PLC0415
 
     samples = pressure.samples[: round(seconds * RATE_HZ)]

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.modal.data import read_modal_data
 from fmus.modal.parameters import block_of, modal_velocities
-from fmus.wheel.areas import estimated_wheelset
+from fmus.wheel.areas import UNCERTAINTY_DB, estimated_wheelset, given_wheelset
 from fmus.wheel.class158 import class158
+from fmus.wheel.imported import read_modes
 from fmus.wheel.inferred import inferred
 from fmus.wheel.wheelset import DATA, Wheelset, read_wheelset
 
@@ -23,13 +23,15 @@ from ..results.columns import MODAL_VELOCITIES
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
 
+    from ..results.samples import Samples
+
 Real = NDArray[np.float64]
 
 SAME_FREQUENCY = 1e-3
 """Relative distance of natural frequencies within which a structure counts as one that is known."""
 
 
-def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheelset:
+def wheelset_of(data: xr.Dataset | Samples, wheel: str | Wheelset | None = None) -> Wheelset:
     """Return the wheelset of a results file with the damping ratios of the run.
 
     Parameters
@@ -45,7 +47,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheels
     """
     if isinstance(wheel, Wheelset):
         return _as_run(wheel, data)
-    count = len(modal_velocities("wheel", data.data_vars))
+    count = len(modal_velocities("wheel", data))
     if count == 0:
         raise InputError(
             f"{_source(data)}: holds no modal velocities of the wheel, so its sound is not known; "
@@ -66,7 +68,7 @@ def wheelset_of(data: xr.Dataset, wheel: str | Wheelset | None = None) -> Wheels
     )
 
 
-def _as_run(wheelset: Wheelset, data: xr.Dataset) -> Wheelset:
+def _as_run(wheelset: Wheelset, data: xr.Dataset | Samples) -> Wheelset:
     """Return a wheelset with the damping ratios that the run had, where the results tell them."""
     zeta = block(data, "wheel", "damping_ratio")
     return replace(wheelset, modes=replace(wheelset.modes, zeta=zeta)) if zeta.size == len(wheelset.modes) else wheelset
@@ -101,20 +103,24 @@ def _named(wheel: str) -> Wheelset:
         return own[wheel]()
     path = DATA / f"{wheel}.toml" if wheel in shipped() else Path(wheel)
     try:
-        if "[[mode]]" in path.read_text(encoding="utf-8"):  # modes alone: areas by their labels
-            data = read_modal_data(path)
-            title = f"{data.title}; areas estimated from labels, (n,0) within 0.5 dB, others 13 dB"
-            return estimated_wheelset(data.modes, title)
-        return read_wheelset(path)
+        text = path.read_text(encoding="utf-8")
+        if path.suffix.lower() != ".csv" and "[[mode]]" not in text:
+            return read_wheelset(path)
+        read = read_modes(path)
+        if read.areas is not None:
+            return given_wheelset(read.modes, read.areas, f"{path.stem}; areas as its file has them")
+        sure, others = UNCERTAINTY_DB.values()
+        title = f"{path.stem}; areas estimated from labels, (n,0) within {sure:g} dB, others {others:g} dB"
+        return estimated_wheelset(read.modes, title)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise InputError(f"wheel {wheel}: neither {', '.join(shipped())} nor a wheelset file: {error}") from None
 
 
-def block(data: xr.Dataset, structure: str, name: str) -> Real:
+def block(data: xr.Dataset | Samples, structure: str, name: str) -> Real:
     """Return a parameter of all modes of a structure, such as 'frequency'; empty if the results do not tell it."""
     values: dict[str, Any] = json.loads(data.attrs.get("all_parameters", "{}")).get(structure, {})
     return block_of(name, values)
 
 
-def _source(data: xr.Dataset) -> str:
+def _source(data: xr.Dataset | Samples) -> str:
     return str(data.encoding.get("source", "the results"))

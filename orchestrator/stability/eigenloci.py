@@ -19,12 +19,24 @@ OpenLoop = Callable[[Real], Complex]
 """(m,) angular frequencies [rad/s] in, (m, k, k) loop matrices out."""
 
 _LARGEST_TURN = 0.35
-"""Largest angle about +1 that a locus may turn between two frequencies [rad]."""
+"""Largest angle about +1 that a locus may turn between two frequencies [rad]. Far below half a turn, at which
+it would not be known any more on which side of +1 the locus passed."""
 
 _LARGEST_STRETCH = 0.35
-"""Largest change of a locus between two frequencies, relative to its modulus or 0.5."""
+"""Largest change of a locus between two frequencies, relative to its modulus or 0.5: below that a locus is too far
+from +1 to matter."""
 
 _PASSES = 14
+"""Halvings of a gap, at most: 1 Hz becomes 0.06 mHz, far less than the half-width of any resonance here."""
+
+_NEAREST = 1e-6
+"""Distance from +1 below which a locus is on it: the angle about it is not defined there."""
+
+_ROUNDING = 1e-9
+"""Relative size of what rounding leaves in eigenvalues and in differences of frequencies, with room."""
+
+_BRACKETS = 4
+"""Rounds of interpolation at a crossing, where 1 / lambda is nearly linear: each about squares the error."""
 
 _EVEN_FROM_HZ = 5.0
 """Lowest frequency of the even grid: between a suspended wheelset's rigid motion and its first bending mode [Hz]."""
@@ -88,7 +100,7 @@ def eigenloci(open_loop: OpenLoop, omega: Real) -> Eigenloci:
     values: Complex = np.linalg.eigvals(open_loop(omega)).astype(complex)
     for _ in range(_PASSES):
         values = _tracked(values)
-        gap = np.flatnonzero(_jumps(values) & (np.diff(omega) > 1e-9 * omega[1:]))
+        gap = np.flatnonzero(_jumps(values) & (np.diff(omega) > _ROUNDING * omega[1:]))
         if not gap.size:
             break
         middle = 0.5 * (omega[gap] + omega[gap + 1])
@@ -102,7 +114,7 @@ def _jumps(values: Complex) -> NDArray[np.bool_]:
     before, after = values[:-1], values[1:]
     stretch = np.abs(after - before) / np.maximum(np.maximum(np.abs(before), np.abs(after)), 0.5)
     near = np.minimum(np.abs(before - 1), np.abs(after - 1))
-    turn = np.abs(after - before) / np.maximum(near, 1e-6)
+    turn = np.abs(after - before) / np.maximum(near, _NEAREST)
     return np.asarray(((stretch > _LARGEST_STRETCH) | (turn > _LARGEST_TURN)).any(axis=1))
 
 
@@ -137,7 +149,7 @@ def crossings(open_loop: OpenLoop, loci: Eigenloci) -> tuple[Crossing, ...]:
             omega, at = _refined(open_loop, loci.omega[i : i + 2], value[i : i + 2])
             if at.real > 1:
                 others = np.linalg.eigvals(open_loop(np.array([omega]))[0])
-                dominant = bool(np.abs(others).max() <= abs(at) * (1 + 1e-9))
+                dominant = bool(np.abs(others).max() <= abs(at) * (1 + _ROUNDING))
                 clockwise = bool(value.imag[i] > 0)
                 found.append(Crossing(float(omega / (2 * np.pi)), float(at.real), dominant, clockwise))
     return tuple(sorted(found, key=lambda c: c.frequency_hz))
@@ -147,7 +159,7 @@ def _refined(open_loop: OpenLoop, omega: Real, value: Complex) -> tuple[float, c
     """Return where the imaginary part of a locus vanishes between two frequencies, and its value there."""
     a, b = float(omega[0]), float(omega[1])
     at_a, at_b = complex(value[0]), complex(value[1])
-    for _ in range(4):
+    for _ in range(_BRACKETS):
         inverse_a, inverse_b = 1 / at_a, 1 / at_b
         share = inverse_a.imag / (inverse_a.imag - inverse_b.imag)
         guess = 1 / (inverse_a + share * (inverse_b - inverse_a))
@@ -156,7 +168,7 @@ def _refined(open_loop: OpenLoop, omega: Real, value: Complex) -> tuple[float, c
             return middle, guess
         eigenvalues = np.linalg.eigvals(open_loop(np.array([middle]))[0])
         there = complex(eigenvalues[np.abs(eigenvalues - guess).argmin()])
-        if abs(there.imag) < 1e-9 * abs(there):
+        if abs(there.imag) < _ROUNDING * abs(there):
             return middle, there
         if (there.imag > 0) == (at_a.imag > 0):
             a, at_a = middle, there

@@ -1,6 +1,7 @@
 """Friction that falls with the sliding velocity s by one exponential: mu/mu0 = (1 - A) exp(-B s) + A. Kernels.
 
-O. Polach, Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258 (2005) 992-1000.
+O. Polach, Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258 (2005) 992-1000,
+eq. (3): the form was compared with the printed text; the numbers of its table (`named.py`) are as usually quoted.
 """
 
 import math

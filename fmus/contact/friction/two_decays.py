@@ -2,7 +2,8 @@
 
 The form of Kraft's law, as used for squeal by F. G. de Beer, M. H. A. Janssens, P. P. Kooijman, Journal of Sound and
 Vibration 267 (2003) 497-507: mu/mu0 = 1 - 0.5 exp(-0.138/s) - 0.5 exp(-6.9/s), s the sliding velocity in m/s. Each
-exponential is eq. (11) of the paper, in the sliding velocity instead of the creepage.
+exponential is eq. (11) of the paper, in the sliding velocity instead of the creepage. The numbers are as usually
+quoted; the printed page was not at hand.
 """
 
 from ...compile import kernel

@@ -19,6 +19,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -109,8 +110,6 @@ def sizes_of(component: Component) -> list[int]:
 
 def _entries(kernels: str, sizes: list[int]) -> dict[str, tuple[Any, Any]]:
     """Return the functions to compile by name, each with its Numba signature."""
-    from importlib import import_module  # noqa: PLC0415
-
     from numba import carray, types  # type: ignore[attr-defined]  # noqa: PLC0415
 
     module = import_module(f"fmus.{kernels}")

@@ -130,7 +130,16 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
             self.instance.initialise()
         places, _ = self._resolve(kind, vrs)
         values: list[float] = self.instance.memory[places].tolist()
+        if not math.isfinite(sum(values)):
+            self._refuse_not_finite(vrs, values)
         return values
+
+    def _refuse_not_finite(self, vrs: list[int], values: list[float]) -> None:
+        """Raise ValueError if one of the values is no finite number; their sum may be none even so."""
+        for vr, value in zip(vrs, values, strict=True):
+            if not math.isfinite(value):
+                name = self.instance.component.variables[vr].name
+                raise ValueError(f"{name} is not finite; an input or parameter is too large")
 
     @survives_errors
     def _set(self, kind: str, vrs: list[int], values: list[Any]) -> None:

@@ -7,7 +7,6 @@ that the hub sits on. All parts are bodies of revolution about the z axis; r is 
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...data_file import read_settings
 from ...errors import DataError
 
 Real = NDArray[np.float64]
@@ -229,7 +229,7 @@ def read_section(path: Path) -> Section:
         For a missing dimension, one that is no number, or a geometry that `Section` refuses.
     """
     try:
-        return _section(tomllib.loads(path.read_text(encoding="utf-8")))
+        return _section(read_settings(path))
     except KeyError as error:
         raise DataError(f"{path.name}: {error.args[0]!r} is missing") from None
     except (TypeError, AttributeError) as error:

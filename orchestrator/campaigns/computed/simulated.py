@@ -24,6 +24,7 @@ from ...sound.levels import sound_of
 from ...sound.wheelset import wheelset_of
 from ..prepared import Prepared, structure_key
 from ..rows import Number, Quantity
+from .ended import ended_in
 
 if TYPE_CHECKING:  # xarray takes a second to import
     import xarray as xr
@@ -36,6 +37,9 @@ QUANTITIES = (
     Quantity("squeals", "1", "1 if the wheel vibrates laterally at the end of the run, 0 if not"),
     Quantity("tone", "Hz", "dominant frequency of the wheel's lateral velocity, second half", lacks=True),
     Quantity("irregular", "1", "1 if that is no tone, for the motion has no line spectrum, 0 if it is", lacks=True),
+    Quantity(
+        "ended_in", "", "limit cycle or two tones that the run ended in, irregular, at rest, or none that is known"
+    ),
     Quantity("mode", "", "wheel mode with the largest velocity in the second half"),
     Quantity("level", "dB", "A-weighted sound pressure level, second half", lacks=True),
     Quantity("level_low", "dB", "lower end of the band of the level", lacks=True),
@@ -87,10 +91,13 @@ def simulated(prepared: Prepared) -> dict[str, Number]:
     share = energy_share(progress)
     loud = lateral > SQUEAL_VELOCITY
     irregular = is_irregular(data["wheel.v_lat"].to_numpy(), sample_interval(data)) if loud else None
+    tone = summary.dominant_frequency_hz
+    still = not loud and not (summary.growth_rate or 0.0) > 0  # small and growing is not at rest
     return {
         "squeals": float(loud),
-        "tone": _number(summary.dominant_frequency_hz),
+        "tone": _number(tone),
         "irregular": _number(irregular),
+        "ended_in": ended_in(prepared, None if still else tone, lateral, irregular) if prepared.compare else "",
         **_heard(data, wheelset),
         "lateral_rms": lateral,
         "contact_lost": _number(summary.contact_lost),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace as with_fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -29,6 +29,9 @@ def cycle(  # noqa: PLR0913 - one argument per option
     changes: Changes,
     tone: Annotated[float | None, typer.Option(help="Only the tone near this frequency [Hz].")] = None,
     no_stability: Annotated[bool, typer.Option("--no-stability", help="Do not ask whether the tones last.")] = False,
+    torus: Annotated[
+        bool, typer.Option("--torus", help="Find the two tones that one with growing sidebands breaks up into.")
+    ] = False,
     down_to: Annotated[
         float, typer.Option(help="Follow stable poles, too, down to this growth rate [1/s]; all tones need -60.")
     ] = -1.0,
@@ -48,6 +51,9 @@ def cycle(  # noqa: PLR0913 - one argument per option
 
     if out is not None:
         require_suffix(out, (".png", ".pdf", ".svg"))
+    if torus and (no_stability or against):
+        other = "--no-stability" if no_stability else "--against"
+        raise InputError(f"--torus asks what tones that do not last break up into; {other} does not go with it")
     assembly, settings = changes.scenario(system).prepare()
     name = Path(system).name
     try:
@@ -63,10 +69,13 @@ def cycle(  # noqa: PLR0913 - one argument per option
         return
     if out is not None:
         draw(found, name, tone, out)
+    asked = with_fields(found, cycles=found.cycles if tone is None else found.all_near(tone)) if torus else None
     if json:
-        typer.echo(dumps(as_json(name, found)))
+        typer.echo(dumps({**as_json(name, found), **({} if asked is None else {"tori": tori_as_json(asked)})}))
         return
     show(found, f"{name}: tones")
+    if asked is not None:
+        show_tori(asked)
 
 
 def show(found: Catalogue, title: str) -> None:
@@ -76,6 +85,33 @@ def show(found: Catalogue, title: str) -> None:
         screen.print(f"{c.frequency_hz:8.2f} Hz  {c.fate}", highlight=False)
     for line in found.notes:
         notice(line)
+
+
+def tori_as_json(found: Catalogue) -> list[dict[str, Any]]:
+    """Return what each tone with growing sidebands breaks up into."""
+    from ...limit_cycles.level import Radiator  # noqa: PLC0415 - loads scipy
+    from ...limit_cycles.tori.described import break_up_as_json  # noqa: PLC0415
+    from ...limit_cycles.tori.search import break_ups  # noqa: PLC0415
+
+    with progress_bar() as report:
+        return [break_up_as_json(b, Radiator.of(found.model.wheel)) for b in break_ups(found, report)]
+
+
+def show_tori(found: Catalogue) -> None:
+    """Print what each tone with growing sidebands breaks up into."""
+    from ...limit_cycles.level import Radiator  # noqa: PLC0415 - loads scipy
+    from ...limit_cycles.tori.described import torus_words  # noqa: PLC0415
+    from ...limit_cycles.tori.search import break_ups  # noqa: PLC0415
+
+    with progress_bar() as report:
+        results = break_ups(found, report)
+    if not results:
+        screen.print("no tone here breaks up through sidebands", highlight=False)
+    for b in results:
+        screen.print(f"{b.cycle.frequency_hz:8.2f} Hz  {b.words}", highlight=False, soft_wrap=True)
+        if b.torus is not None:
+            words = torus_words(b.torus, Radiator.of(found.model.wheel))
+            screen.print(f"             {words}", highlight=False, soft_wrap=True)
 
 
 def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool], out: Path | None) -> None:

@@ -8,22 +8,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from fmus.measured.choice import Choice
+
 from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
-from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
+from .measured_options import Files, print_used, reads_functions
 from .rail import write_rail
 
 if TYPE_CHECKING:
     from fmus.rail.measured import RailFit
 
 
-def measured(  # noqa: PLR0913, PLR0917 - one argument per option
+@reads_functions
+def measured(
     files: Files,
-    quantity: Quantity = None,
-    units: Units = None,
-    node: Node = None,
-    axis: Axis = None,
-    start: From = None,
-    stop: To = None,
+    choice: Choice,
     modes: Annotated[int, typer.Option(help="Most modes in each direction.")] = 8,
     out: Annotated[Path | None, typer.Option(help="FILE.fmu or modal data FILE.toml; default: none.")] = None,
     force: Force = False,
@@ -39,7 +37,7 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
         if out is not None:
             require_suffix(out, (".toml", ".fmu"))
             require_free(out, force)
-        data, fit = rail_from_files(files, choice(quantity, units, node, axis, (start, stop)), modes)
+        data, fit = rail_from_files(files, choice, modes)
         if out is not None:
             write_rail(data, out, "rail_measured")
     if json:

@@ -5,27 +5,28 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 
-from ...errors import InputError
+from fmus.wheel.imported import ImportedWheel, ModalChoice, read_modes
+
 from ..tools import Force, Json, notice, require_free, require_suffix, screen, user_mistakes
-from .measured_options import Axis, signed_axes
+from .measured_options import reads_shapes
 
 if TYPE_CHECKING:
     from fmus.modal.modes import Modes
 
+Real = NDArray[np.float64]
 
-def build(  # noqa: PLR0913, PLR0917 - one argument per option
+
+@reads_shapes
+def build(
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="class158, or modal data: CSV, TOML, UFF, .frd (one for each part)."),
+        typer.Argument(metavar="FILE...", help="class158, or modal data: CSV, TOML, UFF, .frd, .op2, .f06."),
     ],
-    node: Annotated[int | None, typer.Option(help="Number of the node at the contact.")] = None,
-    axis: Axis = None,
-    units: Annotated[str | None, typer.Option(help="Units of length and force (mm,N), where files say none.")] = None,
-    damping: Annotated[
-        str | None, typer.Option(help="Damping ratios of n = 0, 1, 2 and more (1e-3,1e-2,1e-4), where files have none.")
-    ] = None,
+    choice: ModalChoice,
     out: Annotated[Path, typer.Option(help="FMU (.fmu) or modal data (.toml) to write.")] = Path("wheel-own.fmu"),
     force: Force = False,
     json: Json = False,
@@ -34,19 +35,12 @@ def build(  # noqa: PLR0913, PLR0917 - one argument per option
 
     CSV and TOML are in the axes of the contract; others need --node and --axis 1=lon --axis -2=lat --axis -3=ver.
     """
-    from fmus.wheel.class158 import class158  # noqa: PLC0415
-    from fmus.wheel.imported import ImportedWheel, ModalChoice, read_modes  # noqa: PLC0415
-
     require_suffix(out, (".fmu", ".toml"))
     require_free(out, force)
     with user_mistakes():
-        if files == ["class158"]:
-            read = ImportedWheel(class158().modes)
-        else:
-            choice = ModalChoice(node, signed_axes(axis), units, _ratios(damping))
-            read = read_modes([Path(file) for file in files], choice)
-        name = Path(files[0]).stem
-        write_wheel(read.modes, out, name, f"modal data of {', '.join(Path(f).name for f in files)}")
+        read = read_wheel("class158") if files == ["class158"] else read_modes([Path(file) for file in files], choice)
+        source = "; ".join(["modal data of " + ", ".join(Path(f).name for f in files), *filter(None, [read.origin])])
+        write_wheel(read.modes, out, Path(files[0]).stem, source, read.areas)
     if json:
         screen.print_json(data={"file": str(out), "modes": len(read.modes), "notes": list(read.notes)})
         return
@@ -55,38 +49,27 @@ def build(  # noqa: PLR0913, PLR0917 - one argument per option
     screen.print(f"{out}  ({len(read.modes)} modes)", highlight=False)
 
 
-def read_wheel(text: str) -> Modes:
-    """Return the modes of class158 or of a CSV or TOML file."""
+def read_wheel(text: str) -> ImportedWheel:
+    """Return class158, or what a CSV or TOML file says of a wheel."""
     from fmus.wheel.class158 import class158  # noqa: PLC0415
-    from fmus.wheel.imported import read_modes  # noqa: PLC0415
 
-    return class158().modes if text == "class158" else read_modes(Path(text)).modes
+    if text != "class158":
+        return read_modes(Path(text))
+    known = class158()
+    return ImportedWheel(known.modes, areas=np.column_stack([known.area_axial, known.area_radial]))
 
 
-def write_wheel(modes: Modes, path: Path, title: str, source: str) -> None:
-    """Write a wheel as an FMU or as modal data, by the suffix."""
+def write_wheel(modes: Modes, path: Path, title: str, source: str, areas: Real | None = None) -> None:
+    """Write a wheel as an FMU or, with areas if they are known, as modal data, by the suffix."""
     from fmus.modal.component import structure  # noqa: PLC0415
     from fmus.modal.data import ModalData, write_modal_data  # noqa: PLC0415
     from fmus.packaging.build import build_fmu  # noqa: PLC0415
 
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".toml":
-        write_modal_data(path, ModalData(title, source, modes))
+        write_modal_data(path, ModalData(title, source, modes, areas))
     else:
         build_fmu(structure("wheel", f"Wheel at the contact point: {title}", modes), path)
-
-
-def _ratios(text: str | None) -> tuple[float, ...]:
-    """Return the damping ratios of a text such as '1e-3,1e-2,1e-4'."""
-    if text is None:
-        return ()
-    try:
-        ratios = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        ratios = (-1.0,)
-    if not all(0 <= ratio < 1 for ratio in ratios):
-        raise InputError(f"--damping {text}: must be numbers from 0 to 1, such as 1e-3,1e-2,1e-4")
-    return ratios
 
 
 def figures(

@@ -8,25 +8,23 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from fmus.measured.choice import Choice
+
 from ..tools import Force, Json, messages, notice, require_free, require_suffix, screen, user_mistakes
-from .measured_options import Axis, Files, From, Node, Quantity, To, Units, choice, print_used
+from .measured_options import Files, print_used, reads_functions
 from .wheel import read_wheel, write_wheel
 
 if TYPE_CHECKING:
     from fmus.wheel.measured import MeasuredWheel
 
 
-def measured(  # noqa: PLR0913, PLR0917 - one argument per option
+@reads_functions
+def measured(
     files: Files,
-    quantity: Quantity = None,
-    units: Units = None,
-    node: Node = None,
-    axis: Axis = None,
-    start: From = None,
-    stop: To = None,
-    labels: Annotated[
+    choice: Choice,
+    like: Annotated[
         str | None,
-        typer.Option("--like", help="Wheel whose labels are taken over: class158, CSV or TOML."),
+        typer.Option(help="Wheel whose labels, and areas if it has them, are taken over: class158, CSV or TOML."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="FILE.fmu or modal data FILE.toml; default: none.")] = None,
     force: Force = False,
@@ -36,28 +34,34 @@ def measured(  # noqa: PLR0913, PLR0917 - one argument per option
 
     Takes a minute or two for a band of 6 kHz.
     """
-    from fmus.wheel.areas import like  # noqa: PLC0415
+    from fmus.measured.selection import files_and_origins  # noqa: PLC0415
+    from fmus.wheel import areas  # noqa: PLC0415
     from fmus.wheel.measured import wheel_from_files  # noqa: PLC0415
 
     with user_mistakes():
         if out is not None:
             require_suffix(out, (".toml", ".fmu"))
             require_free(out, force)
-        chosen = choice(quantity, units, node, axis, (start, stop))
         with messages.status("reading") as status:
-            fit = wheel_from_files(files, chosen, lambda words: status.update(f"fitting: {words}"))
-        modes = fit.modes if labels is None else like(fit.modes, read_wheel(labels))
+            fit = wheel_from_files(files, choice, lambda words: status.update(f"fitting: {words}"))
+        modes, own, notes = fit.modes, None, list(fit.notes)
+        if like is not None:
+            known = read_wheel(like)
+            modes = areas.like(fit.modes, known.modes)
+            if known.areas is not None:
+                own, count = areas.taken_over(modes, known.modes, known.areas)
+                notes.append(f"areas of {count} modes are those of {like}, of the other {len(modes) - count} estimates")
         if out is not None:
-            names = ", ".join(file.name for file in files)
+            names = files_and_origins(files, fit.used)
             source = f"modes fitted to the functions in {names} (fmus.wheel.measured)"
-            write_wheel(modes, out, "measured wheel", source)
+            write_wheel(modes, out, "measured wheel", source, own)
     if json:
-        data = {"modes": len(modes), "labels": list(modes.labels), "quality": fit.quality, "notes": list(fit.notes)}
+        data = {"modes": len(modes), "labels": list(modes.labels), "quality": fit.quality, "notes": notes}
         screen.print_json(data={**data, "used": [dict(row) for row in fit.used]})
         return
     screen.print(_table(fit))
     print_used(fit.used)
-    for text in fit.notes:
+    for text in notes:
         notice(text)
     if out is not None:
         screen.print(str(out), highlight=False, markup=False, soft_wrap=True)

@@ -38,10 +38,11 @@ def treat(  # noqa: PLR0913, PLR0917 - one argument per option
         raise InputError("--absorber and --mass go together: a label such as (3,0), and kilograms")
     data: dict[str, object] = {"file": str(out)}
     with user_mistakes():
-        modes = damped(read_wheel(wheel), [read_rule(text) for text in damp or []])
+        read = read_wheel(wheel)
+        modes, areas = damped(read.modes, [read_rule(text) for text in damp or []]), read.areas
         if absorber is not None and mass is not None:
             treated = with_absorber(modes, Absorber(absorber, mass, loss, tuned, position))
-            modes = treated.modes
+            modes, areas = treated.modes, None  # of other modes than before
             split = sorted({round(f, 2) for f in treated.split_hz})
             data |= {
                 "absorber_hz": treated.frequency_hz, "mass_ratio": treated.mass_ratio, "split_hz": split,
@@ -49,7 +50,7 @@ def treat(  # noqa: PLR0913, PLR0917 - one argument per option
             }  # fmt: skip
         words = [f"{absorber} absorbers of {mass:g} kg" if absorber is not None else "", *(damp or [])]
         title = f"{Path(wheel).stem} with {', '.join(word for word in words if word) or 'nothing added'}"
-        write_wheel(modes, out, title, f"{wheel}, treated (fmus.wheel.treatment)")
+        write_wheel(modes, out, title, f"{wheel}, treated (fmus.wheel.treatment)", areas)
     if json:
         screen.print_json(data={**data, "modes": len(modes)})
         return

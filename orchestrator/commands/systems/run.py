@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -21,6 +22,7 @@ from ...runs.changes import Changes
 from ...runs.outcome import Outcome, as_json
 from ...runs.verdict import energy_share
 from ...signals.axes import NORMAL, PLANE
+from ...signals.figures_told import FIGURES, rows_by_direction
 from ..options import System, changes_system
 from ..progress import run_bar
 from ..tools import Json, Seed, notice, say, screen
@@ -48,11 +50,14 @@ def run(  # noqa: PLR0913 - one argument per option
         list[str] | None,
         typer.Option(help="Record local variables, too, such as 'rail.modal_*'; 'none' for none. Repeatable."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for results and picture.")] = Path("results"),
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results"),
     parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
     isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
     timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
     csv: Csv = False,
+    picture: Annotated[
+        bool, typer.Option("--picture", help="Draw histories and spectra, too; `picture` does so later.")
+    ] = False,
     checkpoint: Annotated[Path | None, typer.Option(help="Keep checkpoints in this file, for `resume`.")] = None,
     checkpoint_every: CheckpointEvery = running.Keeping.every,
     strict: Annotated[bool, typer.Option("--strict", help="Refuse files with faults that change no number.")] = False,
@@ -61,7 +66,7 @@ def run(  # noqa: PLR0913 - one argument per option
 ) -> None:
     """Simulate a case of the paper or any system of co-simulation FMUs.
 
-    Leaves results (NetCDF) and a picture of velocities and spectra; prints dominant frequency, levels and energies.
+    Leaves results (NetCDF), of which `picture`, `report` and `listen` make more; prints the verdict, levels, energies.
     """
     scenario = changes.scenario(
         system,
@@ -81,7 +86,7 @@ def run(  # noqa: PLR0913 - one argument per option
     keeping = None if checkpoint is None else running.Keeping(checkpoint, checkpoint_every)
     with run_bar() as progress:
         outcome = running.run_scenario(
-            scenario, out, running.Report(progress, notice, csv, parquet=parquet, trial=check), keeping
+            scenario, out, running.Report(progress, notice, csv, picture, parquet, check), keeping
         )
     _tell(outcome, json)
 
@@ -125,8 +130,7 @@ def _show(outcome: Outcome) -> None:
     for heading in ("", *columns):
         table.add_column(heading, justify="right" if heading else "left")
     rows = (
-        ("wheel velocity, rms [m/s, rad/s]", s.wheel_velocity_rms | s.wheel_contact_rms),
-        ("rail velocity, rms [m/s, rad/s]", s.rail_velocity_rms | s.rail_contact_rms),
+        *((f"{label} [{unit}]", numbers) for label, (unit, numbers) in rows_by_direction(s).items()),
         ("energy into wheel and rail [J]", p.energy_into_structures),
         ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
@@ -135,15 +139,15 @@ def _show(outcome: Outcome) -> None:
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {
-        "dominant frequency": "none" if s.dominant_frequency_hz is None else f"{s.dominant_frequency_hz:.1f} Hz",
-        "growth rate": "none seen" if s.growth_rate is None else f"{s.growth_rate:.2f} 1/s",
+        **{figure.label: figure.words(s) for figure in FIGURES if not isinstance(figure.value(s), Mapping)},
         "energy residual": _balance(p),
         "spurious growth": outcome.spurious.sentence,
         **({"sweeps": f"{p.sweeps:.1f} per step, at most {p.most_sweeps}"} if p.most_sweeps > 1 else {}),
-        "contact lost": "-" if s.contact_lost is None else f"{s.contact_lost:.1%} of the time",
         "wall time": f"{p.wall:.1f} s ({p.wall / max(p.steps, 1) * 1e6:.1f} us per step)",
         "results": str(outcome.results),
-        "picture": str(outcome.picture),
+        "picture": f"curvesqueal picture {quote(str(outcome.results))}"
+        if outcome.picture is None
+        else str(outcome.picture),
     }
     for label, text in lines.items():
         screen.print(f"{label:20}{text}", highlight=False, soft_wrap=True)

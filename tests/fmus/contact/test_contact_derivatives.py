@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from fmus.component import Component, Instance
 from fmus.contact.component import contact
-from fmus.contact.implicit import renew_newton_matrix
+from fmus.contact.implicit import renew_newton_matrix, renew_with_memory
 from fmus.contact.law import law
 from fmus.contact.layout import D, S
 from fmus.contact.linearised import linearise
+from fmus.contact.memory import creep_forces_now, last_change
+from fmus.contact.parameters import WITH_MEMORY, P
 from fmus.interface import DIRECTIONS, PAIRS
 from fmus.rail.component import rail
 from fmus.wheel.component import wheel
@@ -91,6 +93,9 @@ SITUATIONS: dict[str, tuple[tuple[float, ...], tuple[float, ...], dict[str, floa
         {"saturation_coefficient": 1e-4, "host_delay_steps": 1},
     ),
     "velocities integrated, late": ((0.01, 0.0, 0.0, 0.1), (0.0, 0.0), {"use_displacements": 0, "host_delay_steps": 1}),
+    "memory, slip": ((0.01, 0.03, 0.002, 0.1), (1e-6, -5e-6), {"creep_law": 2}),
+    "memory, stick": ((0.002, -0.199, 0.0, 0.3), (0.0, -5e-6), {"creep_law": 2, "saturation_coefficient": 1e-4}),
+    "memory, half sliding": ((0.005, -0.183, 0.001, 0.4), (0.0, 2e-6), {"creep_law": 2, "grid_cells": 7}),
     "velocities integrated": ((0.01, 0.0, 0.0, 0.1), (0.0, 0.0), {"use_displacements": 0}),
 }
 
@@ -106,8 +111,14 @@ def settled(situation: str) -> Instance:
         instance.do_step(H)
     w = tuple(instance.state[S.w_lon : S.w_lon + 3])
     load = instance.state[S.f_normal] + instance.derived[D.load]
+    arrays = (instance.parameters, instance.derived, instance.state)
+    if instance.parameters[P.creep_law] == WITH_MEMORY:
+        change = last_change(instance.state)
+        g = creep_forces_now(*arrays, w, load, change, False)
+        renew_with_memory(*arrays, w, g, load, change)
+        return instance
     g = law(instance.parameters, instance.derived, *w, load)
-    renew_newton_matrix(instance.parameters, instance.derived, instance.state, w, g, load)
+    renew_newton_matrix(*arrays, w, g, load)
     return instance
 
 

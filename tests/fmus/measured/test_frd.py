@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.measured.frd import read_frd
-from fmus.measured.nodal import ContactModes, Extent, at_contact, complete_axes
+from fmus.measured.shapes.frd import read_frd
+from fmus.measured.shapes.nodal import ContactModes, Extent, at_contact, complete_axes
 from fmus.measured.units import read_system
 from fmus.wheel.imported import ModalChoice, labelled, missing_parts, read_modes
 
@@ -112,7 +112,7 @@ def test_units_of_the_deck_scale_the_shapes(tmp_path: Path) -> None:
         ),
         (lambda lines: [x.replace("MODAL", "     ") for x in lines], "holds no eigenmodes with displacements"),
         (lambda lines: [x[:-1] + "2" if "MODAL" in x else x for x in lines], r"line \d+: the block is binary"),
-        (lambda lines: [x.replace("1.000000E+00", "0.000000E+00") for x in lines], "mode 1: generalised mass is 0"),
+        (lambda lines: [x.replace("1.000000E+00", "0.000000E+00") for x in lines], "mode 1: modal mass is 0"),
     ],
 )
 def test_broken_results_are_refused(change: object, message: str, tmp_path: Path) -> None:

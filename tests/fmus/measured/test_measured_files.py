@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyuff
 from frf_files import MOBILITY, RECEPTANCE, F, write_csv, write_uff, write_variant
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from fmus.measured.choice import Choice
 from fmus.measured.read import read_contents, read_measured
 from fmus.measured.units import UnitSystem, read_ratio, read_system
+from fmus.rail.measured import rail_from_files
 
 HEAD = "frequency_hz,ver_real,ver_imag\n"
 
@@ -100,6 +102,22 @@ def test_a_universal_file_that_is_cut_off_is_refused(tmp_path: Path) -> None:
     path.write_text("".join([*lines[:50], "x" * 80 + "\n", *lines[51:]]))
     with pytest.raises(ValueError, match=r"m.uff, data set 2 \(line 7\): is not a readable data set 58 \(function\)"):
         read_measured(path)
+
+
+def test_the_header_of_a_universal_file_goes_with_what_is_made_of_it(tmp_path: Path) -> None:
+    """Data set 151: model, description, program and date; without one, or with one that is broken, nothing is said."""
+    path = write_uff(tmp_path / "m.uff", [{}])
+    assert "origin" not in read_measured(path)[0].used
+    words = {"model_name": "rail 7", "description": "NONE", "db_app": "a logger", "program": "a program"}
+    header = {"type": 151, **words, "date_file_written": "01-Nov-25", "time_file_written": "10:00:00"}
+    pyuff.UFF(str(path)).write_sets(header, "add")
+    assert read_measured(path)[0].used["origin"] == "rail 7, a program, 01-Nov-25"
+    data, _ = rail_from_files([path], Choice(), 2)
+    assert data.source.endswith("the mobility in m.uff; rail 7, a program, 01-Nov-25 (fmus.rail.measured)")
+    text = path.read_text()
+    begin = text.index("   151")
+    path.write_text(text[:begin] + "   151\n    -1\n")
+    assert "origin" not in read_measured(path)[0].used
 
 
 def test_other_things_are_refused(tmp_path: Path) -> None:

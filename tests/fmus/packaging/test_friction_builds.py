@@ -1,4 +1,4 @@
-"""Friction laws in every kind of contact FMU: native, of compiled sources, and in Python."""
+"""Friction laws and memory in every kind of contact FMU: native, of compiled sources, and in Python."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ LAWS = {
     "velocity": friction_table([0.01, 0.19, 0.21, 0.5], [0.2, 0.26, 0.3, 0.25], "velocity"),
     "de-beer": dict(NAMED["de-beer"].values),
     "polach-dry": dict(NAMED["polach-dry"].values),
+    "memory": {"creep_law": 2.0, "steady_creepage_lat": 2e-3, "mobility_lat_lat": 4e-6, "mobility_lon_lon": 2e-6},
 }
 
 
@@ -37,5 +38,8 @@ def test_every_build_has_the_friction_laws_of_the_component(kind: str, tmp_path:
         assert done.returncode == 0, done.stderr[-2000:]
         assert b"NATIVE_KERNELS" not in file.read_bytes()
     for values in LAWS.values():
-        whole = {name: int(v) if name in {"friction_law", "friction_points"} else v for name, v in values.items()}
+        whole = {
+            name: int(v) if name in {"friction_law", "friction_points", "creep_law"} else v
+            for name, v in values.items()
+        }
         assert_steps_as(Slave(file, whole), Instance(contact(), values), 200)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fmus.modal.data import read_modal_data
 from fmus.modal.modes import receptance
 from fmus.rail import discrete
-from fmus.rail.component import DATA, discrete_rail
+from fmus.rail.component import DATA, shipped_rail
 from fmus.rail.discrete import DiscreteTrack, discrete_receptance
 from fmus.rail.fit import error_frequencies, fit_errors
 from fmus.rail.track import track_receptance
@@ -165,7 +165,7 @@ def test_the_shipped_discrete_rail_keeps_the_resonance() -> None:
     modal = np.abs(receptance(2 * np.pi * f, read_modal_data(DATA / "rail-discrete.toml").modes)[:, VER, VER])
     assert f[np.argmax(modal)] == f[np.argmax(exact)]
     assert abs(20 * np.log10(modal.max() / exact.max())) < 1.5
-    assert discrete_rail().name == "rail_discrete"
+    assert shipped_rail("rail-discrete").name == "rail_discrete"
 
 
 @functools.cache

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fmus.modal.data import ModalData, write_modal_data
 from fmus.modal.modes import Modes
-from fmus.wheel.areas import UNCERTAINTY_DB, estimated_wheelset, like
+from fmus.wheel.areas import UNCERTAINTY_DB, estimated_wheelset, given_wheelset, like, taken_over
 from fmus.wheel.class158 import class158
+from fmus.wheel.imported import read_modes
 from fmus.wheel.wheelset import DATA, read_wheelset
 
 
@@ -49,3 +52,70 @@ def test_labels_come_from_a_known_wheel() -> None:
     squeal = [i for i, label in enumerate(known.labels) if re.match(r"\([2-7],0\)", label)]
     assert [found.labels[i] for i in squeal] == [known.labels[i] for i in squeal]
     assert like(bare, known, within=1e-6).labels == bare.labels
+
+
+COLUMNS = "label,frequency_hz,damping_ratio,lon,lat,ver,spin,area_axial,area_radial"
+ROWS = ['"(2,0) cosine",500,1e-4,0.02,0.1,0.01,0.3,2e-3,3e-4', '"(3,0) cosine",1500,1e-4,-0.03,0.2,0.05,-0.1,4e-3,0']
+
+
+def table(path: Path, header: str, rows: list[str]) -> Path:
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return path
+
+
+def test_areas_are_columns_of_a_table_and_of_modal_data(tmp_path: Path) -> None:
+    """CSV in, TOML out and in again: the same areas; a file without them has none."""
+    read = read_modes(table(tmp_path / "w.csv", COLUMNS, ROWS))
+    np.testing.assert_array_equal(read.areas, [[2e-3, 3e-4], [4e-3, 0.0]])
+    write_modal_data(tmp_path / "w.toml", ModalData("a wheel", "made up", read.modes, read.areas))
+    again = read_modes(tmp_path / "w.toml")
+    np.testing.assert_array_equal(again.areas, read.areas)
+    wheelset = given_wheelset(again.modes, np.asarray(again.areas), "w")
+    assert wheelset.area_axial.tolist() == [2e-3, 4e-3]
+    assert wheelset.nodal_diameters.tolist() == [2, 3]
+    bare = [row.rsplit(",", 2)[0] for row in ROWS]
+    assert read_modes(table(tmp_path / "bare.csv", COLUMNS.rsplit(",", 2)[0], bare)).areas is None
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "message"),
+    [
+        (COLUMNS, [ROWS[0].replace("2e-3", "-2e-3")], r"w.csv, mode 1: areas are \[-0.002, 0.0003\]; must be >= 0"),
+        (COLUMNS, [ROWS[0].replace("2e-3", "large")], r"w.csv, line 2: every column but label must be a number; got"),
+        (COLUMNS.rsplit(",", 1)[0], ROWS, r"w.csv: has area_axial alone; must be area_axial and area_radial, or none"),
+    ],
+)
+def test_bad_areas_are_refused(header: str, rows: list[str], message: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        read_modes(table(tmp_path / "w.csv", header, rows))
+
+
+def test_areas_of_some_modes_alone_are_refused(tmp_path: Path) -> None:
+    modes = read_modes(table(tmp_path / "w.csv", COLUMNS, ROWS))
+    write_modal_data(tmp_path / "w.toml", ModalData("a wheel", "made up", modes.modes, modes.areas))
+    text = (tmp_path / "w.toml").read_text()
+    for there, message in (
+        ("area_axial = 0.004\n", r"w.toml, mode 2 \(\(3,0\) cosine\): has one of area_axial and area_radial"),
+        (
+            "area_axial = 0.004\narea_radial = 0.0\n",
+            "w.toml, mode 2: has no area_axial and area_radial; others",
+        ),
+    ):
+        (tmp_path / "w.toml").write_text(text.replace(there, ""))
+        with pytest.raises(ValueError, match=message):
+            read_modes(tmp_path / "w.toml")
+
+
+def test_areas_of_a_known_wheel_are_taken_over() -> None:
+    """Class158 1 % higher: the areas of the modes that squeal come back; a mode of its own is estimated."""
+    known = class158()
+    areas = np.column_stack([known.area_axial, known.area_radial])
+    other = Modes(np.array([1e5]), np.array([1e-4]), np.array([[0, 0.1, 0, 0]]), ("(2,0) cosine",))
+    omega = np.append(1.01 * known.modes.omega, other.omega)
+    shape = np.concatenate([known.modes.shape, other.shape])
+    modes = Modes(omega, np.append(known.modes.zeta, other.zeta), shape, (*known.modes.labels, *other.labels))
+    found, count = taken_over(modes, known.modes, areas)
+    squeal = [i for i, label in enumerate(known.modes.labels) if re.match(r"\([2-7],0\)", label)]
+    np.testing.assert_array_equal(found[squeal], areas[squeal])
+    assert found[-1, 0] == pytest.approx(0.225 * 0.01, rel=1e-12)
+    assert count < len(modes)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from calculix_ring import write_ring
 
-from fmus.measured.frd import read_frd
-from fmus.measured.nodal import Extent, at_contact, complete_axes
+from fmus.measured.shapes.frd import read_frd
+from fmus.measured.shapes.nodal import Extent, at_contact, complete_axes
 from fmus.measured.units import read_system
 from fmus.wheel.finite_elements.harmonics import AXIAL, RADIAL, harmonic_modes, make_body
 from fmus.wheel.finite_elements.mesh import structured_mesh

@@ -119,7 +119,7 @@ def test_an_interrupted_competition_keeps_its_runs(tmp_path: Path) -> None:
         while not done() and time.monotonic() < limit:
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=300)
     assert process.returncode == 130, err
     assert "of 50 runs; the same command goes on from there" in " ".join(err.split())
     assert "Traceback" not in err

@@ -20,7 +20,7 @@ from orchestrator.results.file import open_results
 @pytest.fixture(scope="module")
 def case1(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, object]]:
     folder = tmp_path_factory.mktemp("run")
-    done = curvesqueal("run", "case1", "--duration", "0.05", "--json", "--csv", "--out", str(folder))
+    done = curvesqueal("run", "case1", "--duration", "0.05", "--json", "--csv", "--picture", "--out", str(folder))
     assert done.returncode == 0, done.stderr
     return folder, json.loads(done.stdout)
 
@@ -56,6 +56,15 @@ def test_run_leaves_results_csv_and_picture(case1: tuple[Path, dict[str, object]
     assert len((folder / "case1.csv").read_text().splitlines()) == 2502
     with Image.open(str(data["picture"])) as picture:
         assert picture.width > 1000
+
+
+def test_a_picture_can_be_had_later_and_is_not_replaced_by_itself(case1: tuple[Path, dict[str, object]]) -> None:
+    """The same picture to the pixel, since both are drawn from the file."""
+    folder, data = case1
+    arguments = ["picture", str(data["results"]), "--out", str(folder / "later.png")]
+    assert (curvesqueal(*arguments).returncode, curvesqueal(*arguments).returncode) == (0, 1)
+    with Image.open(folder / "later.png") as later, Image.open(str(data["picture"])) as first:
+        assert later.tobytes() == first.tobytes()
 
 
 def test_a_second_run_does_not_overwrite_the_first(case1: tuple[Path, dict[str, object]]) -> None:

@@ -26,7 +26,7 @@ def test_a_wheel_fmu_from_a_table_moves_as_its_modes_do(tmp_path: Path) -> None:
     table = tmp_path / "own.csv"
     table.write_text(TABLE)
     fmu = tmp_path / "own.fmu"
-    build([str(table)], out=fmu)
+    build(files=[str(table)], out=fmu)
     assert validate_fmu(str(fmu)) == []
     push = np.array([(0.0, 10.0), (1.0, 10.0)], dtype=[("time", float), ("f_lat", float)])
     found = fmpy.simulate_fmu(str(fmu), stop_time=5e-4, step_size=5e-6, output_interval=5e-6, input=push)
@@ -40,7 +40,7 @@ def test_a_wheel_fmu_from_a_table_moves_as_its_modes_do(tmp_path: Path) -> None:
 
 
 def test_the_identified_wheel_becomes_an_fmu(tmp_path: Path) -> None:
-    build(["class158"], out=tmp_path / "class158.fmu")
+    build(files=["class158"], out=tmp_path / "class158.fmu")
     assert validate_fmu(str(tmp_path / "class158.fmu")) == []
 
 
@@ -58,5 +58,5 @@ def test_mistakes_are_one_sentence(tmp_path: Path) -> None:
     }
     for (modes, out, axes), message in cases.items():
         with pytest.raises(InputError, match=message):
-            build([modes], axis=None if axes is None else list(axes), out=out)
+            build(files=[modes], axis=None if axes is None else list(axes), out=out)
     assert taken.read_bytes() == b"mine"

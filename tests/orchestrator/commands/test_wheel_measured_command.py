@@ -72,7 +72,7 @@ def test_cross_functions_need_axes(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"w.uff: holds cross functions, whose signs depend on the axes: give the option"
     ):
-        measured([functions(tmp_path / "w.uff")])
+        measured(files=[functions(tmp_path / "w.uff")])
 
 
 def test_treat_writes_a_wheel_with_absorbers(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from toy_fmus import toy_fmu, toy_ssd
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
 from orchestrator.errors import InputError, SimulationError
+from orchestrator.fmi.isolation_answers import Answer, pack, unpack
 from orchestrator.results.file import open_results
 from orchestrator.system.model import System
 from orchestrator.system.reader import read_system
@@ -124,3 +125,65 @@ def test_on_the_command_line(tmp_path: Path) -> None:
 def test_time_limit_must_be_positive() -> None:
     with pytest.raises(InputError, match="timeout = -1 s: must be > 0"):
         Settings(1e-3, 1.0, timeout=-1.0)
+
+
+EVIL = """
+import gc
+import os
+from multiprocessing.connection import Connection
+
+
+class Evil:
+    def __reduce__(self):
+        return os.mkdir, ({path!r},)
+
+
+for each in gc.get_objects():
+    if isinstance(each, Connection):
+        each.{send}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("send", "sentence"),
+    [
+        ("send(Evil())", "its process gave no answer to do_step that can be read"),
+        ("send_bytes(b'fmu1' + bytes(4) + b'[0, null, []]')", "its process gave no answer to do_step that can be read"),
+    ],
+)
+def test_what_the_process_of_an_fmu_answers_is_not_run(tmp_path: Path, send: str, sentence: str) -> None:
+    """The FMU speaks for its process: with a pickle that makes a folder, and with an answer that is cut."""
+    made = tmp_path / "made"
+    first = toy_fmu(tmp_path, "Plain", "self.y = 0.0")
+    second = toy_fmu(tmp_path, f"Evil{len(send)}", EVIL.format(path=str(made), send=send))
+    system = read_system(toy_ssd(tmp_path, first, second))
+    with (
+        Master(assemble(system), Settings(1e-3, 0.1, "jacobi", timeout=30.0)) as master,
+        pytest.raises(SimulationError, match=sentence),
+    ):
+        master.run()
+    assert not made.exists()
+
+
+@pytest.mark.parametrize(
+    ("call", "answer"),
+    [
+        ("get", [0, None, []]), ("get", [0, [[1.0]], []]), ("get_state", [0, -1, []]), ("get_state", [0, True, []]),
+        ("do_step", [0, [True, True, True], []]), ("set", [0, [1.0], []]), ("ended", [0, 1, []]), ("set", [0, None]),
+        ("set", [0.0, None, []]), ("set", [0, None, [1]]), ("set", {}), ("set", 0),
+    ],
+)  # fmt: skip
+def test_an_answer_of_another_kind_is_none(call: str, answer: object) -> None:
+    text = json.dumps(answer).encode()
+    with pytest.raises(ValueError, match="answer"):
+        unpack(b"fmu1" + len(text).to_bytes(4, "little") + text, call)
+
+
+def test_bytes_that_are_no_answer_are_none() -> None:
+    whole = pack(Answer(0, [1.0, float("nan"), -0.0, 5e-324, True, "ä"], ["said"]))
+    found = unpack(whole, "get").result
+    assert repr(found) == repr([1.0, float("nan"), -0.0, 5e-324, True, "ä"])
+    for k in range(len(whole)):
+        with pytest.raises(ValueError, match=r"."):
+            unpack(whole[:k], "get")

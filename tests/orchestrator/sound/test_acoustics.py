@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_results import generic, mode_number, vibrating
 
+from fmus.modal.data import ModalData, write_modal_data
 from orchestrator.errors import InputError
 from orchestrator.sound.levels import sound_of
 from orchestrator.sound.radiation import (
@@ -29,6 +31,19 @@ def test_axial_motion_begins_to_radiate_at_the_published_frequencies() -> None:
     """The ratio is 1/2 at c kappa(n)/(2 pi r): 247 to 950 Hz for n = 0 to 6 and r = 0.42 m."""
     for n, corner in enumerate((247.0, 376.0, 501.0, 621.0, 735.0, 845.0, 950.0)):
         assert float(axial_ratio(corner, n, Radiation())) == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_table_of_modes_with_areas_sounds_as_the_wheel_that_it_is(tmp_path: Path) -> None:
+    """Generic840 as modal data with its areas: the level of the wheelset file; without them, within what is said."""
+    known, results, path = generic(), vibrating({"(3,0)": (1102.0, 1.0)}, duration=1.0), tmp_path / "own.toml"
+    areas = np.column_stack([known.area_axial, known.area_radial])
+    write_modal_data(path, ModalData("own", "made up", known.modes, areas))
+    wanted = sound_of(results, "generic840").power_db
+    assert sound_of(results, str(path)).power_db == pytest.approx(wanted, abs=1e-9)
+    assert wheelset_of(results, str(path)).title == "own; areas as its file has them"
+    write_modal_data(path, ModalData("own", "made up", known.modes))
+    assert sound_of(results, str(path)).power_db == pytest.approx(wanted, abs=0.5)
+    assert "areas estimated from labels, (n,0) within 0.5 dB" in wheelset_of(results, str(path)).title
 
 
 @pytest.mark.parametrize("n", [0, 2, 5])

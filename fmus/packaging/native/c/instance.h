@@ -261,7 +261,11 @@ static inline Status get_values(Instance *instance, Kind kind, Form form, const 
             if (k >= n_values) {
                 return say(instance, ERROR, "%s: room for %zu values is too little", variables[i].name, n_values);
             }
-            write_value(form, values, k, instance->state.memory[variables[i].place]);
+            double value = instance->state.memory[variables[i].place];
+            if (!(fabs(value) <= DBL_MAX)) {
+                return say(instance, ERROR, "%s is not finite; an input or parameter is too large", variables[i].name);
+            }
+            write_value(form, values, k, value);
         }
     }
     if (k != n_values) {
@@ -360,6 +364,9 @@ static Status differentiate(Instance *instance, const uint32_t unknowns[], size_
             return say(instance, ERROR, "%s is no output; it has no derivative", v->name);
         }
         sensitivity[i] = outputs[v->place - OUTPUTS_PLACE];
+        if (!isfinite(sensitivity[i])) {
+            return say(instance, ERROR, "the derivative of %s is not finite; a seed or an input is too large", v->name);
+        }
     }
     return OK;
 #endif

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..errors import DataError
-from .function import Real
+from ...errors import DataError
+from ..function import Real
+from ..units import UnitSystem
+from ..universal import DataSet, origin, read_data_sets, unit_system
 from .nodal import NodalModes
-from .units import UnitSystem
-from .universal import DataSet, read_data_sets, unit_system
+from .raw import RawMode, in_si
 
 _NORMAL_MODE, _DISPLACEMENT, _REAL = 2, 8, (2, 4)
-
-
-class _Mode(NamedTuple):
-    frequency_hz: float
-    mass: float
-    damping_ratio: float
-    number: int
-    values: dict[int, Real]
 
 
 def read_universal_modes(path: Path, units: UnitSystem | None) -> NodalModes:
@@ -35,7 +29,7 @@ def read_universal_modes(path: Path, units: UnitSystem | None) -> NodalModes:
     -----
     Shapes are divided by the root of the modal mass. The damping ratio is the viscous one plus half the hysteretic one.
     """
-    sets = read_data_sets(path, (15, 55, 164, 2411, 2414))
+    sets = read_data_sets(path, (15, 55, 151, 164, 2411, 2414))
     system = unit_system(sets)
     if system is not None and units is not None and (system.length, system.force) != (units.length, units.force):
         raise DataError(f"{path.name}: {system.source} has other units than the option units")
@@ -51,39 +45,12 @@ def read_universal_modes(path: Path, units: UnitSystem | None) -> NodalModes:
     position: dict[int, Real] = {}
     for data in (d for d in sets if d.kind in (15, 2411)):
         c = data.content
-        xyz = np.column_stack([c["x"], c["y"], c["z"]]) / system.length
+        xyz = np.column_stack([c["x"], c["y"], c["z"]])
         position |= dict(zip((int(node) for node in c["node_nums"]), xyz, strict=True))
-    return _in_si(path, modes, position, system)
+    return replace(in_si(path.name, modes, position, system), origin=origin(sets))
 
 
-def _in_si(path: Path, modes: list[_Mode], position: dict[int, Real], units: UnitSystem) -> NodalModes:
-    """Return modes over the nodes of the first, mass-normalised."""
-    nodes = sorted(modes[0].values)
-    for i, mode in enumerate(modes, start=1):
-        if sorted(mode.values) != nodes:
-            raise DataError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
-        if not mode.mass > 0:
-            raise DataError(f"{path.name}, mode {i}: modal mass is {mode.mass:g}; must be > 0")
-    kilograms = units.length / units.force
-    size = max(len(values) for mode in modes for values in mode.values.values())
-    shape = np.full((len(modes), len(nodes), size), np.nan)
-    for i, mode in enumerate(modes):
-        for k, node in enumerate(nodes):
-            values = mode.values[node] / np.sqrt(mode.mass * kilograms)
-            shape[i, k, : values.size] = values
-    shape[:, :, 3:] *= units.length  # rotations are per length
-    return NodalModes(
-        where=path.name,
-        frequency_hz=np.array([mode.frequency_hz for mode in modes]),
-        damping_ratio=np.array([mode.damping_ratio for mode in modes]),
-        nodes=np.array(nodes, dtype=np.int64),
-        shape=shape,
-        position=position,
-        labels=tuple(f"mode {mode.number}" for mode in modes),
-    )
-
-
-def _mode_55(data: DataSet) -> _Mode:
+def _mode_55(data: DataSet) -> RawMode:
     """Return the mode of a data set 55."""
     c = data.content
     _require_normal(data, c["analysis_type"], c["spec_data_type"], np.iscomplexobj(c["r1"]))
@@ -93,10 +60,10 @@ def _mode_55(data: DataSet) -> _Mode:
     table = np.column_stack(columns)
     damping = float(c["modal_damp_vis"]) + float(c["modal_damp_his"]) / 2
     values = dict(zip((int(n) for n in c["node_nums"]), table, strict=True))
-    return _Mode(float(c["freq"]), float(c["modal_m"]), damping, int(c["mode_n"]), values)
+    return RawMode(float(c["freq"]), float(c["modal_m"]), values, damping, int(c["mode_n"]))
 
 
-def _mode_2414(data: DataSet) -> _Mode:
+def _mode_2414(data: DataSet) -> RawMode:
     """Return the mode of a data set 2414: frequency, mass and damping stand in its twelfth record."""
     c: dict[str, Any] = data.content
     if int(c["dataset_location"]) != 1:
@@ -105,7 +72,7 @@ def _mode_2414(data: DataSet) -> _Mode:
     damping = float(c["record12_field5"]) + float(c["record12_field6"]) / 2
     values = {int(n): np.asarray(v, dtype=float) for n, v in zip(c["node_nums"], c["data_at_node"], strict=True)}
     number = int(c.get("record10_field6") or 0) or data.number
-    return _Mode(float(c["record12_field2"]), float(c["record12_field4"]), damping, number, values)
+    return RawMode(float(c["record12_field2"]), float(c["record12_field4"]), values, damping, number)
 
 
 def _require_normal(data: DataSet, analysis: Any, kind: Any, is_complex: bool) -> None:

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import DataError
-from .function import Real
+from ...errors import DataError
+from ..function import Real
+from ..tables import read_text
+from ..units import UnitSystem
 from .nodal import NodalModes
-from .tables import read_text
-from .units import UnitSystem
+from .raw import RawMode, in_si
 
 _NODES, _RESULTS = "    2C", "  100C"
 
@@ -39,7 +40,9 @@ def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
         reader.take(line, number)
     if reader.block:
         raise DataError(f"{path.name}: ends within a block of {reader.block}; the file is cut off")
-    return _modes(path, reader.position, reader.modes, units)
+    if not reader.modes:
+        raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
+    return in_si(path.name, [RawMode(*mode) for mode in reader.modes], reader.position, units)
 
 
 class _Reader:
@@ -97,28 +100,3 @@ def _values(line: str, where: str) -> tuple[int, Real]:
         return int(line[3:start]), np.array([float(line[start + 12 * i : start + 12 * (i + 1)]) for i in range(3)])
     except ValueError:
         raise DataError(f"{where}: must be a node and three numbers; got {line.strip()!r}") from None
-
-
-def _modes(
-    path: Path, position: dict[int, Real], modes: list[tuple[float, float, dict[int, Real]]], units: UnitSystem
-) -> NodalModes:
-    """Return the modes over the nodes that all of them have, in SI."""
-    if not modes:
-        raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
-    nodes = sorted(modes[0][2])
-    for i, (_, mass, values) in enumerate(modes, start=1):
-        if sorted(values) != nodes:
-            raise DataError(f"{path.name}, mode {i}: has other nodes than mode 1; must be the same")
-        if not mass > 0:
-            raise DataError(f"{path.name}, mode {i}: generalised mass is {mass:g}; must be > 0")
-    kilograms = units.length / units.force  # in the deck's unit of mass
-    shape = np.array([[values[node] / np.sqrt(mass * kilograms) for node in nodes] for _, mass, values in modes])
-    return NodalModes(
-        where=path.name,
-        frequency_hz=np.array([frequency for frequency, _, _ in modes]),
-        damping_ratio=np.full(len(modes), np.nan),
-        nodes=np.array(nodes, dtype=np.int64),
-        shape=shape,
-        position={node: xyz / units.length for node, xyz in position.items()},
-        labels=tuple(f"mode {i}" for i in range(1, len(modes) + 1)),
-    )

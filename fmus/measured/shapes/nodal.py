@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import DataError
-from .function import Real, code_name
+from ...errors import DataError
+from ..function import Real, code_name
 
 RIGID_HZ = 1.0
 """Below this a mode of a free model is rigid motion; its frequency is rounding and becomes 0."""
@@ -39,6 +39,7 @@ class NodalModes:
     shape : (n, k, 3) or (n, k, 6) mass-normalised translations [kg^-1/2] and rotations [kg^-1/2/m]; nan where missing
     position : coordinates of nodes by number [m], of more or fewer than move
     labels : (n,) names of the modes
+    origin : what the file says about itself, '' if nothing
     """
 
     where: str
@@ -48,6 +49,7 @@ class NodalModes:
     shape: Real
     position: Mapping[int, Real]
     labels: tuple[str, ...]
+    origin: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,7 @@ class ContactModes:
     labels : (n,)
     extent : what the model is
     spin_from : 'rotations', 'neighbours' or 'none': where the spin was taken from
+    origin : what the file says about itself
     """
 
     frequency_hz: Real
@@ -92,6 +95,7 @@ class ContactModes:
     labels: tuple[str, ...]
     extent: Extent
     spin_from: str
+    origin: str = ""
 
 
 def at_contact(modes: NodalModes, node: int | None, axes: Mapping[int, str]) -> ContactModes:
@@ -121,6 +125,7 @@ def at_contact(modes: NodalModes, node: int | None, axes: Mapping[int, str]) -> 
         labels=modes.labels,
         extent=extent,
         spin_from=spin_from,
+        origin=modes.origin,
     )
 
 
