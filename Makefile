@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-slow hosts lint types layers fix fmus ssp data figures paper bench clean
+.PHONY: help run test test-slow reliability hosts lint types layers fix fmus ssp data figures paper bench clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -22,6 +22,9 @@ test: lint types layers  ## lint, types, layers, tests and doctests
 
 test-slow: .venv/developer  ## the tests that take minutes
 	$(BIN)/python -m pytest -n 2 -m slow
+
+reliability: .venv/developer  ## the tests of reliability in full number; writes their figures into docs/reliability.md (an hour)
+	CURVESQUEAL_RELIABILITY=1 $(BIN)/python -m pytest -m slow tests/reliability
 
 hosts: .venv/developer  ## an environment of its own for hosts that want other versions of what is used here
 	test -x .venv/hosts/bin/python || { $(PYTHON) -m venv .venv/hosts && .venv/hosts/bin/pip install --quiet "cofmupy>=1.0"; }
@@ -52,7 +55,7 @@ figures: .venv/user  ## pictures of the rail (Figs 3, 4), friction (Fig. 5), whe
 
 paper: .venv/user  ## docs/paper.md: every table, figure and claim of the paper next to ours (10 minutes)
 	rm -rf results/paper
-	for case in case1 case2 case3 case4; do $(BIN)/curvesqueal run $$case --out results/paper || exit 1; done
+	for case in case1 case2 case3 case4 inferred1 inferred2 inferred3 inferred4; do $(BIN)/curvesqueal run $$case --out results/paper || exit 1; done
 	$(BIN)/curvesqueal paper --results results/paper
 
 bench: .venv/developer  ## time per step of the components and of several masters, as ratios

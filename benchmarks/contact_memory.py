@@ -12,6 +12,7 @@ import tempfile
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from fmus.contact.parameters import FASTSIM, WITH_MEMORY
@@ -56,7 +57,7 @@ def main(cases: list[str]) -> None:
         for heading in ("", *columns):
             table.add_column(heading)
         for heading in columns["steady"]:
-            table.add_row(heading, *(column[heading] for column in columns.values()))
+            table.add_row(escape(heading), *(column[heading] for column in columns.values()))
         Console(width=120).print(table)
 
 

@@ -36,12 +36,15 @@ def compiled(function: Kernel, folder: str, **options: Any) -> Kernel:
     """
     import numba  # noqa: PLC0415 - optional
 
+    from .machine_code import check_files  # noqa: PLC0415 - needs numba
+
     config: Any = numba.config
     before = config.CACHE_DIR
     made: Kernel
     try:
         config.CACHE_DIR = folder
         made = numba.njit(cache=True, **options)(function)
+        check_files(made)
     except RuntimeError:  # nowhere to keep the compiled code, such as an FMU unpacked to a read-only place
         made = numba.njit(**options)(function)
     finally:
@@ -67,12 +70,14 @@ def _cache_folder(module: str) -> str:
 
 def kept_under(files: Iterable[Path]) -> str:
     """Return the folder for machine code that is made of these files."""
-    from platformdirs import user_cache_path  # noqa: PLC0415 - not there in an FMU
+    from fmus.cache import cache_folder, mark_used  # noqa: PLC0415 - not there in an FMU
 
     digest = hashlib.sha256()
-    for path in files:
+    for path in (*files, Path(__file__), Path(__file__).with_name("machine_code.py")):
         digest.update(path.read_bytes())
-    return str(user_cache_path("curvesqueal") / "kernels" / digest.hexdigest()[:16])
+    folder = cache_folder("kernels") / digest.hexdigest()[:16]
+    mark_used(folder)
+    return str(folder)
 
 
 def positions(title: str, names: Iterable[str]) -> Any:

@@ -13,7 +13,8 @@ from pathlib import Path, PurePosixPath
 
 from lxml import etree
 
-from .cache import cache_folder, mark_used, prune
+from fmus.cache import cache_folder, mark_used
+
 from .errors import Fault, InputError
 
 LARGEST_CONTENT = 2 << 30
@@ -60,7 +61,6 @@ def unpack(path: Path, what: str) -> Path:
             return target
         with suppress(OSError):  # another process was faster
             target.rename(tempfile.mkdtemp(dir=cached, prefix="damaged-"))
-    prune(cached)
     temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix="unpacking-"))
     try:
         with zipfile.ZipFile(path) as archive:

@@ -10,6 +10,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from importlib import import_module
 from importlib.metadata import version as version_of
@@ -21,6 +22,8 @@ from typer.core import TyperGroup
 
 from .errors import DamageWarning, InputError, SimulationError
 from .fmi.exit_guard import tell_who_ends_the_process
+from .streams import BROKEN, broken, end_on_interrupt, flushed, keep_standard_output, open_closed_streams
+from .visible import visible
 
 Table = dict[str, tuple[str, str]]
 """Name of a command: its module in `orchestrator.commands` (`:function` if that has another name), what it does."""
@@ -165,22 +168,31 @@ def curvesqueal(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside."""
+    """Railway curve squeal as FMI co-simulation: build the FMUs, run the paper's cases, look inside.
+
+    Running an FMU runs its code, with all that you may do: take FMUs from sources that you trust.
+    `run --isolate` protects against crashes and hangs only.
+    """
 
 
 def command_line() -> int:
     """Run the command line and return its exit code.
 
     A user's mistake, or an FMU's failure, is one sentence and 1; a fault of this program its traceback, a sentence and
-    `FAULT`; an end by Ctrl-C 130; options that cannot be read 2.
+    `FAULT`; an end by Ctrl-C 130; options that cannot be read 2; output whose reader has gone `BROKEN`.
     """
     warnings.showwarning = _told_warning
     try:
         app(prog_name="curvesqueal")
     except SystemExit as end:
+        if end.code == 1 and broken(sys.stdout):
+            return BROKEN
         return end.code if isinstance(end.code, int) else int(end.code is not None)
     except (InputError, SimulationError) as error:
         return _failed(f"curvesqueal: {error}", 1)
+    except OSError as error:  # the system's: a full disk, a name that is too long, a folder that may not be read
+        place = "standard output" if error.filename is None else os.fsdecode(error.filename)
+        return _failed(f"curvesqueal: {place}: {error.strerror or error}", 1)
     except Exception as error:  # whatever else comes up to here is no mistake of the user's
         traceback.print_exc()
         said = f"{type(error).__name__}: {error}"
@@ -194,21 +206,14 @@ _python_warning = warnings.showwarning
 def _told_warning(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Show a warning of ours as a note; others as Python does."""
     if issubclass(category, DamageWarning):
-        sys.stderr.write(f"note: {message}\n")
+        sys.stderr.write(f"note: {visible(str(message))}\n")
     else:
         _python_warning(message, category, *where, **more)
 
 
-def keep_standard_output() -> None:
-    """Keep the standard output for what commands print; what FMUs print goes to the error stream."""
-    sys.stdout.flush()
-    own = os.dup(1)
-    os.dup2(2, 1)
-    sys.stdout = os.fdopen(own, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)
-
-
 def _failed(sentence: str, code: int) -> int:
-    sys.stderr.write(f"{sentence}\n")
+    with suppress(OSError):  # nobody reads it
+        sys.stderr.write(f"{visible(sentence)}\n")
     return code
 
 
@@ -218,9 +223,8 @@ def main() -> None:
     PythonFMU 0.7.0 frees its state twice when a process ends in the usual way, and an FMU that failed may have damaged
     it anyway: the libraries of FMUs get no chance to do more.
     """
+    end_on_interrupt()
+    open_closed_streams()
     tell_who_ends_the_process()
     keep_standard_output()
-    code = command_line()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)
+    os._exit(flushed(command_line()))

@@ -49,6 +49,7 @@ class Function:
     quantity : what the file's data types say it is, None where they do not
     units : labels of numerator and denominator, '' where there is none
     force : whether the denominator is a force; None where the file does not say
+    lines : (m,) line of the file that each value stands on; None where there is none
     """
 
     where: str
@@ -59,6 +60,7 @@ class Function:
     quantity: str | None = None
     units: tuple[str, str] = ("", "")
     force: bool | None = True
+    lines: NDArray[np.int64] | None = None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ contradicted, and what was used comes with the result.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,6 +35,7 @@ class Measured:
     used : what was taken for it: 'set', 'point', 'quantity', 'units', 'factor', 'sign', 'from_hz', 'to_hz',
         and 'origin' if the file says it
     si_assumed : whether the unit is SI because the format says so, not the file
+    lines : (m,) line of the file that each value stands on; None where there is none
     """
 
     response: str
@@ -44,31 +45,40 @@ class Measured:
     coherence: Real | None
     used: Mapping[str, str | float]
     si_assumed: bool = False
+    lines: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         """Check directions, frequencies and values."""
-        where, f = str(self.used.get("set", "measurement")), self.frequency_hz
+        where, f = self._where(), self.frequency_hz
         for direction in (self.response, self.reference):
             if direction not in DIRECTIONS:
                 raise DataError(f"{where}: direction {direction!r}; must be one of {', '.join(DIRECTIONS)}")
         bad = np.flatnonzero(~np.isfinite(f) | (f <= 0))
         if bad.size or not f.size:
             got = f"frequency {bad[0] + 1} is {f[bad[0]]:g} Hz" if bad.size else "no frequency above 0 Hz"
-            raise DataError(f"{where}: {got}; must be finite and > 0")
+            raise DataError(f"{self._where(*bad[:1])}: {got}; must be finite and > 0")
         bad = np.flatnonzero(np.diff(f) <= 0)
         if bad.size:
-            raise DataError(f"{where}: {f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz; frequencies must increase")
+            got = f"{f[bad[0] + 1]:g} Hz comes after {f[bad[0]]:g} Hz"
+            raise DataError(f"{self._where(bad[0] + 1)}: {got}; frequencies must increase")
         if self.receptance.shape != f.shape:
             raise DataError(f"{where}: {self.receptance.size} values in {self.words} for {f.size} frequencies")
         bad = np.flatnonzero(~np.isfinite(self.receptance) | (self.receptance == 0))
         if bad.size:
             got = self.receptance[bad[0]]
-            raise DataError(f"{where}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0")
+            raise DataError(
+                f"{self._where(bad[0])}: {self.words} at {f[bad[0]]:g} Hz is {got}; must be finite and not 0"
+            )
         if self.coherence is not None:
             bad = np.flatnonzero(~((self.coherence >= 0) & (self.coherence <= 1)))
             if bad.size:
                 got = self.coherence[bad[0]]
-                raise DataError(f"{where}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
+                raise DataError(f"{self._where(bad[0])}: the coherence at {f[bad[0]]:g} Hz is {got:g}; must be 0 to 1")
+
+    def _where(self, place: int | None = None) -> str:
+        """Return where the function, or one of its values, stands."""
+        where = str(self.used.get("set", "measurement"))
+        return where if place is None or self.lines is None else f"{where}, line {self.lines[place]}"
 
     @property
     def words(self) -> str:
@@ -83,6 +93,7 @@ class Measured:
             frequency_hz=f,
             receptance=self.receptance[inside],
             coherence=None if self.coherence is None else self.coherence[inside],
+            lines=None if self.lines is None else self.lines[inside],
             used={**self.used, "from_hz": float(f[0]), "to_hz": float(f[-1])},
         )
 
@@ -107,9 +118,9 @@ def select(contents: Contents, choice: Choice) -> list[Measured]:
         )
     nodes = sorted({f.response.node for f in fitting if f.response.node is not None})
     if choice.node is not None and nodes and choice.node not in nodes:
-        raise DataError(f"{name}: no driving point at node {choice.node}; has {', '.join(map(str, nodes))}")
+        raise DataError(f"{name}: no driving point at node {choice.node}; has {_nodes(fitting)}")
     if choice.node is None and len(nodes) > 1:
-        raise DataError(f"{name}: driving points at nodes {', '.join(map(str, nodes))}; choose one (option node)")
+        raise DataError(f"{name}: driving points at nodes {_nodes(fitting)}; choose one (option node)")
     found: dict[tuple[str, str], Measured] = {}
     for function in fitting:
         if nodes and function.response.node != (nodes[0] if choice.node is None else choice.node):
@@ -126,6 +137,15 @@ def files_and_origins(files: Iterable[Path], used: Iterable[Mapping[str, str | f
     """Return the names of files, and what they say about themselves."""
     origins = dict.fromkeys(str(row["origin"]) for row in used if "origin" in row)
     return "; ".join([", ".join(file.name for file in files), *origins])
+
+
+def _nodes(functions: Sequence[Function]) -> str:
+    """Return the nodes of functions, each with where its first stands."""
+    places: dict[int, str] = {}
+    for function in functions:
+        if function.response.node is not None:
+            places.setdefault(function.response.node, function.where.partition(", ")[2])
+    return ", ".join(f"{node} ({place})" if place else str(node) for node, place in sorted(places.items()))
 
 
 def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
@@ -151,6 +171,7 @@ def _in_si(function: Function, contents: Contents, choice: Choice) -> Measured:
             **({"origin": contents.origin} if contents.origin else {}),
         },
         si_assumed=units == _FORMAT_SI,
+        lines=None if function.lines is None else function.lines[start:],
     )  # fmt: skip
     inside = (f >= (choice.start_hz or 0.0)) & (f <= (choice.stop_hz or np.inf))
     if not inside.any():

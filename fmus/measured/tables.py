@@ -11,6 +11,7 @@ from __future__ import annotations
 import csv
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,10 +28,11 @@ _FREQUENCY = re.compile(r"(?:frequency|freq|f)(?:_(k?hz))?")
 
 
 class Header(NamedTuple):
-    """A column's name and unit."""
+    """A column's name and unit, and the line that says them."""
 
     name: str
     unit: str
+    line: int = 1
 
 
 def read_text(path: Path) -> str:
@@ -66,7 +68,7 @@ def read_csv_rows(path: Path) -> tuple[list[Header], list[tuple[int, list[str]]]
     rows = [(i, next(csv.reader([line], delimiter=separator))) for i, line in lines]
     if separator != ",":  # then a comma within a number is its decimal sign
         rows = [(i, [re.sub(r"^(\s*[-+]?\d*),(\d)", r"\1.\2", text) for text in row]) for i, row in rows]
-    return [_header(text) for text in rows[0][1]], rows[1:]
+    return [_header(text, rows[0][0]) for text in rows[0][1]], rows[1:]
 
 
 def read_csv(path: Path) -> Contents:
@@ -78,13 +80,13 @@ def read_csv(path: Path) -> Contents:
         For a column that is missing or a value that is no number, with its line.
     """
     headers, rows = read_csv_rows(path)
-    names = [header.name for header in headers]
+    names, head = [header.name for header in headers], f"{path.name}, line {headers[0].line}"
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise DataError(f"{path.name}: two columns {twice!r}; must be one")
+        raise DataError(f"{head}: two columns {twice!r}; must be one")
     frequency = next((h for h in headers if _FREQUENCY.fullmatch(h.name)), None)
     if frequency is None:
-        raise DataError(f"{path.name}: column 'frequency_hz' is missing; has {', '.join(names)}")
+        raise DataError(f"{head}: column 'frequency_hz' is missing; has {', '.join(names)}")
     table = _numbers(path, names, rows)
     used = {h.name: h.unit for h in headers}
     columns = {name: table[:, i] for i, name in enumerate(names)}
@@ -95,12 +97,13 @@ def read_csv(path: Path) -> Contents:
         stem = response if force is None else f"{response}_{force}"
         for part in ("real", "imag"):
             if f"{stem}_{part}" not in columns:
-                raise DataError(f"{path.name}: column '{stem}_{part}' is missing")
+                raise DataError(f"{head}: column '{stem}_{part}' is missing; has {', '.join(names)}")
         units = {used[f"{stem}_{part}"] for part in ("real", "imag")}
         if len(units) > 1:
-            raise DataError(f"{path.name}: {stem}_real is in {used[stem + '_real']!r}, {stem}_imag is not; must agree")
+            raise DataError(f"{head}: {stem}_real is in {used[stem + '_real']!r}, {stem}_imag is not; must agree")
         values = columns[f"{stem}_real"] + 1j * columns[f"{stem}_imag"]
-        functions.append(_function(path, frequency_hz, values, (response, force or response), units.pop()))
+        function = _function(path, frequency_hz, values, (response, force or response), units.pop())
+        functions.append(replace(function, lines=np.array([line for line, _ in rows])))
     return _contents(path, frequency_hz, functions, columns)
 
 
@@ -131,10 +134,11 @@ def read_archive(path: Path) -> Contents:
     return _contents(path, frequency_hz, functions, arrays)
 
 
-def _header(text: str) -> Header:
+def _header(text: str, line: int) -> Header:
     """Return name and unit of a header such as 'ver_real [mm/s/N]'."""
     match = re.fullmatch(r"\s*([^\[\(]*?)\s*(?:[\[\(]\s*(.*?)\s*[\]\)])?\s*", text)
-    return Header(match[1].lower().replace(" ", "_"), match[2] or "") if match else Header(text.strip(), "")
+    name, unit = (match[1].lower().replace(" ", "_"), match[2] or "") if match else (text.strip(), "")
+    return Header(name, unit, line)
 
 
 def _hertz(path: Path, header: Header) -> float:
@@ -142,11 +146,14 @@ def _hertz(path: Path, header: Header) -> float:
     match = _FREQUENCY.fullmatch(header.name)
     unit = header.unit or {"hz": "Hz", "khz": "kHz"}.get((match[1] if match else None) or "", "")
     if not unit:
-        raise DataError(f"{path.name}: column {header.name!r} has no unit; must be frequency_hz or frequency [Hz]")
+        raise DataError(
+            f"{path.name}, line {header.line}: column {header.name!r} has no unit; must be frequency_hz or "
+            "frequency [Hz]"
+        )
     try:
         return frequency_factor(unit)
     except ValueError as error:
-        raise DataError(f"{path.name}: column {header.name!r}: {error}") from None
+        raise DataError(f"{path.name}, line {header.line}: column {header.name!r}: {error}") from None
 
 
 def _numbers(path: Path, names: list[str], rows: list[tuple[int, list[str]]]) -> Real:

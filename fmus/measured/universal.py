@@ -144,7 +144,8 @@ def unit_system(sets: list[DataSet]) -> UnitSystem | None:
             )
         systems.append(UnitSystem(length, force, f"data set 164 (line {data.line})"))
     if any(s.length != systems[0].length or s.force != systems[0].force for s in systems):
-        raise DataError(f"{sets[0].file}: two data sets 164 with different units; must be one")
+        places = " and ".join(system.source for system in systems)
+        raise DataError(f"{sets[0].file}: {places} have different units; must agree")
     return systems[0] if systems else None
 
 

@@ -5,6 +5,7 @@ Files are read by `fmus.measured`. Nothing is guessed: units, axes and damping t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -123,13 +124,13 @@ def read_csv(path: Path) -> tuple[Modes, Real | None]:
     With the columns `area_axial` and `area_radial` [m2/kg], also (n, 2) radiating areas.
     """
     headers, rows = read_csv_rows(path)
-    names = [header.name for header in headers]
+    names, head = [header.name for header in headers], f"{path.name}, line {headers[0].line}"
     missing = [c for c in CSV_COLUMNS if c not in names]
     if missing:
-        raise DataError(f"{path.name}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
+        raise DataError(f"{head}: column {missing[0]!r} is missing; wanted are {', '.join(CSV_COLUMNS)}")
     with_areas = [c for c in AREAS if c in names]
     if len(with_areas) == 1:
-        raise DataError(f"{path.name}: has {with_areas[0]} alone; must be {' and '.join(AREAS)}, or none of them")
+        raise DataError(f"{head}: has {with_areas[0]} alone; must be {' and '.join(AREAS)}, or none of them")
     numbers = [*CSV_COLUMNS[1:], *with_areas]
     table, labels = [], []
     for line, texts in rows:
@@ -145,9 +146,14 @@ def read_csv(path: Path) -> tuple[Modes, Real | None]:
     areas = values[:, 6:] if with_areas else None
     bad = np.flatnonzero(~((values[:, 6:] >= 0) & np.isfinite(values[:, 6:])).all(axis=1))
     if bad.size:
-        raise DataError(f"{path.name}, mode {bad[0] + 1}: areas are {values[bad[0], 6:].tolist()}; must be >= 0")
-    modes = _modes(path.name, values[:, 0], values[:, 1], values[:, 2:6], tuple(labels))
-    return _rising(path.name, modes), areas
+        raise DataError(f"{path.name}, line {rows[bad[0]][0]}: areas are {values[bad[0], 6:].tolist()}; must be >= 0")
+    try:
+        modes = _rising(path.name, _modes(path.name, values[:, 0], values[:, 1], values[:, 2:6], tuple(labels)))
+    except DataError as error:  # which says the number of the mode
+        number = re.search(r"mode (\d+)", str(error))
+        place = f", line {rows[int(number[1]) - 1][0]}" if number else ""
+        raise DataError(str(error).replace(path.name, f"{path.name}{place}", 1)) from None
+    return modes, areas
 
 
 def _head(path: Path) -> bytes:

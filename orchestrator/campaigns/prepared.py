@@ -14,11 +14,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
+from fmus.cache import cache_folder, mark_used
 from fmus.interface import INITIAL_DISPLACEMENT, INITIAL_VELOCITY
 from fmus.wheel.wheelset import Wheelset
 
 from ..archive import sha256
-from ..cache import cache_folder
 from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.settings import Settings
 from ..errors import InputError
@@ -173,6 +173,7 @@ def keep(contents: Mapping[str, bytes]) -> None:
     for checksum, content in contents.items():
         final = folder / f"{checksum}.fmu"
         if final.is_file() and sha256(final) == checksum:
+            mark_used(final)
             continue
         handle, temporary = tempfile.mkstemp(dir=folder)
         with os.fdopen(handle, "wb") as file:

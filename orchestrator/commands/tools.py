@@ -5,19 +5,45 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from fmus.errors import DataError
 
 from ..errors import InputError
+from ..plain_json import dumps
+from ..streams import BROKEN
+from ..visible import visible
 
-screen = Console()
+
+class Screen(Console):
+    """A console that shows names from files as they are: no markup, no emoji, nothing that steers the terminal."""
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(markup=False, emoji=False, highlight=False, **how)
+
+    def render_str(self, text: str, **how: Any) -> Text:
+        """Return a text to be shown; every text that is printed, also in tables and trees, comes through here."""
+        return super().render_str(visible(text), **how)
+
+    def on_broken_pipe(self) -> None:
+        """End with the exit code that says so where nobody reads the output; messages may stay unread."""
+        self.quiet = True
+        if not self.stderr:
+            raise SystemExit(BROKEN)
+
+    def print_json(self, *, data: Any) -> None:  # type: ignore[override]
+        """Print data as one JSON text; numbers that are not finite are null there."""
+        typer.echo(dumps(data))
+
+
+screen = Screen()
 """What a command prints."""
 
-messages = Console(stderr=True)
+messages = Screen(stderr=True)
 """What it says besides."""
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]

@@ -14,6 +14,7 @@ from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..visible import visible
 from .style import COLOURS, STYLE
 
 Real = NDArray[np.float64]
@@ -58,7 +59,7 @@ def draw_grid(grid: Grid, path: Path) -> None:
         if grid.signed:
             bar.ax.set_ylim(min(0.0, np.nanmin(grid.value)), max(0.0, np.nanmax(grid.value)))
             _border(axes, grid)
-        axes.set(xlabel=grid.x_label, ylabel=grid.y_label, title=grid.title)
+        axes.set(xlabel=visible(grid.x_label), ylabel=visible(grid.y_label), title=visible(grid.title))
         for values, texts, put in ((grid.x, grid.x_texts, axes.set_xticks), (grid.y, grid.y_texts, axes.set_yticks)):
             if texts:
                 put(values, texts)

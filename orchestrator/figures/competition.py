@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from ..signals.tones import Tone
+from ..visible import visible
 from .style import COLOURS, STYLE
 
 
@@ -26,8 +27,8 @@ def draw_competition(title: str, groups: dict[str, list[Tone]], path: Path) -> N
         labels = [tone.words for _, tone in rows]
         if len(groups) > 1:
             labels = [f"{words}: {label}" for (words, _), label in zip(rows, labels, strict=True)]
-        axes.set_yticks(range(len(rows)), labels)
+        axes.set_yticks(range(len(rows)), [visible(label) for label in labels])
         axes.invert_yaxis()
-        axes.set(xlim=(0, 100), xlabel="Runs that end in this tone [%], 95 % confidence", title=title)
+        axes.set(xlim=(0, 100), xlabel="Runs that end in this tone [%], 95 % confidence", title=visible(title))
         axes.grid(visible=False, axis="y")
         figure.savefig(path, dpi=150)

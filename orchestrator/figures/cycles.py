@@ -10,6 +10,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter
 
 from ..limit_cycles.bifurcations.diagram import Branch
 from ..limit_cycles.catalogue import Catalogue, Cycle
+from ..visible import visible
 from .style import COLOURS, STYLE
 
 SHOWN_DB = 100.0
@@ -23,7 +24,7 @@ def draw_cycles(found: Catalogue, title: str) -> Figure:
         growth, levels = figure.subplots(1, 2)
         _draw_growth(growth, found)
         _draw_levels(levels, found)
-        figure.suptitle(f"{title}: limit cycles", fontsize="large")
+        figure.suptitle(f"{visible(title)}: limit cycles", fontsize="large")
         return figure
 
 
@@ -76,7 +77,7 @@ def draw_cycle(cycle: Cycle, title: str) -> Figure:
         _draw_lines(lines, cycle)
         rms = cycle.wheel_velocity_rms["lat"]
         level = "" if cycle.level_dba is None else f", {cycle.level_dba:.1f} dB(A)"
-        figure.suptitle(f"{title}: {cycle.frequency_hz:.2f} Hz, {rms:.4f} m/s rms{level}; {cycle.fate}")
+        figure.suptitle(f"{visible(title)}: {cycle.frequency_hz:.2f} Hz, {rms:.4f} m/s rms{level}; {cycle.fate}")
         return figure
 
 
@@ -150,6 +151,6 @@ def draw_branches(branches: list[Branch], title: str) -> Figure:
                     label=label, clip_on=False,
                 )  # fmt: skip
         axes.set(xlabel=branches[0].parameter, ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None))
-        axes.set_title(f"{title}: solid, lasts; dashed, does not", fontsize="medium")
+        axes.set_title(f"{visible(title)}: solid, lasts; dashed, does not", fontsize="medium")
         axes.legend(fontsize=8)
         return figure

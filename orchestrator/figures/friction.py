@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..visible import visible
 from .style import STYLE
 
 
@@ -32,10 +33,10 @@ def draw_friction(
         figure = Figure(figsize=(5.5, 3.6))
         axes = figure.subplots(gridspec_kw={"left": 0.12, "right": 0.96, "bottom": 0.14, "top": 0.96})
         for (label, ratio), line in zip(curves.items(), cycle(("-", "--", "-.", ":")), strict=False):
-            axes.plot(creepage, ratio, line, label=label, color="black")
+            axes.plot(creepage, ratio, line, label=visible(label), color="black")
         for (label, pairs), marker in zip((points or {}).items(), cycle("osv^"), strict=False):
             x, y = zip(*pairs, strict=True)
-            axes.plot(x, y, marker, label=f"{label}: points", color="black", markersize=4, fillstyle="none")
+            axes.plot(x, y, marker, label=f"{visible(label)}: points", color="black", markersize=4, fillstyle="none")
         axes.set(xlabel="Lateral creepage [-]", ylabel="Friction force / normal force [-]", xlim=(0, creepage[-1]))
         axes.set_ylim(0, None)
         axes.legend(loc="lower right")

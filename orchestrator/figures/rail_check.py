@@ -13,6 +13,7 @@ from fmus.interface import DIRECTIONS
 
 from ..probing.rail_check import RailReport
 from ..probing.rail_passivity import BAND_HZ, Mobility
+from ..visible import visible
 from .style import STYLE
 
 TITLE = {"lon": "longitudinal", "lat": "lateral", "ver": "vertical", "spin": "spin"}
@@ -39,7 +40,7 @@ def draw_mobility(mobility: Mobility, title: str) -> Figure:
                 magnitude.text(0.5, 0.5, "does not move", ha="center", transform=magnitude.transAxes)
             _frame_phase(phase)
         title += f"; at s = {mobility.shift:.3g} 1/s + j omega" if mobility.shift else ""
-        figure.suptitle(f"Point mobility from impulse responses: {title}", fontsize="medium")
+        figure.suptitle(f"Point mobility from impulse responses: {visible(title)}", fontsize="medium")
     return figure
 
 

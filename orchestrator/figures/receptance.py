@@ -20,6 +20,9 @@ from fmus.rail.paper_fit import paper_modes
 from fmus.rail.track import track_receptance
 from fmus.rail.track_data import Track
 
+from ..visible import visible
+from .style import PLAIN
+
 Errors = dict[str, dict[str, dict[str, float]]]
 
 FREQUENCIES_HZ = np.geomspace(20, 10e3, 600)
@@ -84,7 +87,7 @@ def draw_receptance(track: Track, rails: dict[str, Modes], directions: tuple[str
         _draw_direction(axes[:, column], curves, direction)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(curves), 2 * len(directions)))
-    figure.suptitle(f"Point receptance of the rail\n{track.title}", fontsize="medium")
+    figure.suptitle(f"Point receptance of the rail\n{visible(track.title)}", fontsize="medium", **PLAIN)
     return figure
 
 

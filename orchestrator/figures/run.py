@@ -11,11 +11,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from fmus.interface import DIRECTIONS
 
 from ..signals.spectra import a_weighting, regular
 from ..signals.summary import sample_interval, spectrum
+from ..visible import visible
 from .style import COLOURS, LINES, STYLE, WORDS
 
 if TYPE_CHECKING:
@@ -34,7 +36,7 @@ def draw_run(data: xr.Dataset, path: Path) -> None:
         axes = figure.subplots(
             2, 3, gridspec_kw={"left": 0.07, "right": 0.98, "bottom": 0.08, "top": 0.88, "wspace": 0.27, "hspace": 0.32}
         )
-        figure.suptitle(f"{data.attrs.get('title', '')}: velocity at the contact point")
+        figure.suptitle(f"{visible(data.attrs.get('title', ''))}: velocity at the contact point")
         for row, direction in zip(axes, ("lat", "ver"), strict=True):
             for component in ("wheel", "rail"):
                 name = f"{component}.v_{direction}"
@@ -99,26 +101,37 @@ def draw_directions(data: xr.Dataset, path: Path) -> None:
             row[1].set(yscale="log", xlim=(0, SHOWN_HZ), ylim=(top * DECADES, top * 2))
         axes[-1][0].set(xlabel="Time [s]")
         axes[-1][1].set(xlabel="Frequency [Hz]")
-        axes[0][0].set(title=f"{data.attrs.get('title', '')}: velocity at the contact point")
+        axes[0][0].set(title=f"{visible(data.attrs.get('title', ''))}: velocity at the contact point")
         axes[0][1].set(title="amplitude, second half")
         axes[0][1].legend(loc="upper right")
         figure.savefig(path, dpi=110)
 
 
 def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
-    """Draw the A-weighted one-third-octave levels of several runs and their totals with bands, as Fig. 12."""
+    """Draw the A-weighted one-third-octave levels of runs, and totals with bands: wheel, as Fig. 12, rail, both."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11, 4), layout="constrained")
         bands, totals = figure.subplots(1, 2, width_ratios=(2.2, 1))
         for k, (name, sound) in enumerate(sounds.items()):
             level = sound.bands.to_numpy() + a_weighting(sound.bands["band"])
-            bands.plot(sound.bands["band"], level, marker="os^D"[k % 4], markersize=4, label=name)
+            bands.plot(sound.bands["band"], level, marker="os^D"[k % 4], markersize=4, label=visible(name))
             reach = [[sound.level_dba - sound.low_dba], [sound.high_dba - sound.level_dba]]
-            totals.bar(k, sound.level_dba, color=f"C{k}", alpha=0.75)
-            totals.errorbar(k, sound.level_dba, yerr=reach, color="black", capsize=4, linewidth=1)
+            totals.bar(k - 0.25, sound.level_dba, 0.25, color=f"C{k}", alpha=0.75)
+            totals.errorbar(k - 0.25, sound.level_dba, yerr=reach, color="black", capsize=4, linewidth=1)
+            if sound.rail_dba is not None and sound.total_dba is not None:
+                totals.bar(k, sound.rail_dba, 0.25, color=f"C{k}", alpha=0.4, hatch="//", edgecolor="black")
+                totals.bar(k + 0.25, sound.total_dba, 0.25, color=f"C{k}", alpha=0.75, hatch="..", edgecolor="black")
         low = min((s.low_dba for s in sounds.values() if np.isfinite(s.low_dba)), default=60.0)
         bands.set(xscale="log", xlabel="Frequency [Hz]", ylabel="Level in one-third octaves [dB(A)]", ylim=(20, None))
         bands.legend()
+        totals.legend(
+            handles=[
+                Patch(facecolor="0.6", label="wheel"),
+                Patch(facecolor="0.8", hatch="//", edgecolor="black", label="rail"),
+                Patch(facecolor="0.6", hatch="..", edgecolor="black", label="both"),
+            ],
+            ncols=3, fontsize=7, loc="upper center",
+        )  # fmt: skip
         totals.set(ylabel="Total level [dB(A)]", ylim=(10 * np.floor(low / 10 - 1), None))
-        totals.set_xticks(range(len(sounds)), list(sounds))
+        totals.set_xticks(range(len(sounds)), [visible(name) for name in sounds])
         figure.savefig(path, dpi=110)

@@ -14,6 +14,8 @@ from matplotlib.lines import Line2D
 
 from ..stability.analysis import REPORTED_BELOW_HZ, Stability
 from ..stability.eigenloci import Eigenloci
+from ..visible import visible
+from .style import PLAIN
 
 COLOURS = ("#9a9a9a", "#0b5394", "#c2570c")
 STYLES: Any = ("--", "-", ":")
@@ -44,7 +46,8 @@ def draw_stability(result: Stability, title: str) -> Figure:
     phase.set(ylabel="phase [degrees]", xlabel="frequency [Hz]", yticks=range(-180, 181, 90), ylim=(-185, 185))
     for panel in axes.values():
         panel.grid(visible=True, alpha=0.3)
-    figure.suptitle(f"{title}: eigenloci of H1 G + H2, in the order of their largest modulus", fontsize="medium")
+    words = f"{visible(title)}: eigenloci of H1 G + H2, in the order of their largest modulus"
+    figure.suptitle(words, fontsize="medium", **PLAIN)
     handles = [
         *(Line2D([], [], color=c, ls=s, label=f"eigenlocus {n}")
           for n, (c, s) in enumerate(zip(COLOURS[::-1], STYLES, strict=True), start=1)),

@@ -12,10 +12,14 @@ STYLE: Any = {
     "axes.spines.right": False,
     "legend.frameon": False,
     "lines.linewidth": 0.9,
+    "text.parse_math": False,  # a name may hold a dollar sign
 }
 
 COLOURS: Any = {"wheel": "#0b5394", "rail": "#c2570c"}
 
 LINES: Any = {"wheel": "-", "rail": "--"}
+
+PLAIN: Any = {"parse_math": False}
+"""Of a text with a name from a file, in figures of another style."""
 
 WORDS = {"lat": "Lateral", "ver": "Vertical"}

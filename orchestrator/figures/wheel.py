@@ -21,6 +21,9 @@ from fmus.wheel.finite_elements.modes import SHIPPED, WheelMode, wheelset_shapes
 from fmus.wheel.finite_elements.section import Section, read_section
 from fmus.wheel.wheelset import DATA
 
+from ..visible import visible
+from .style import PLAIN
+
 Real = NDArray[np.float64]
 
 WHEELSET_MODES = ((1, "symmetric", 1), (1, "antisymmetric", 1), (0, "symmetric", 1), (0, "antisymmetric", 2))
@@ -45,7 +48,7 @@ def plot_sections(sections: Sequence[Section]) -> Figure:
             arrowprops={"arrowstyle": "-|>", "color": "tab:red", "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
         axes.text(20, 25, "axle, from mid-axle", fontsize=_FONT)
-        axes.set_title(section.title, fontsize=_FONT + 1)
+        axes.set_title(visible(section.title), fontsize=_FONT + 1, **PLAIN)
         _frame(axes, (-20, 1120), (0, 480))
     return figure
 
@@ -64,7 +67,7 @@ def plot_modes(section: Section, refinement: int = 1) -> Figure:
             _draw_shape(axes, body, shape, section)
             _frame(axes, z, (0, 490))
             about = f", {mode.symmetry}" if row == 0 else ""
-            axes.set_title(f"{mode.label}{about}\n{mode.frequency_hz:.0f} Hz", fontsize=_FONT)
+            axes.set_title(f"{visible(mode.label)}{about}\n{mode.frequency_hz:.0f} Hz", fontsize=_FONT, **PLAIN)
             if column:
                 axes.set_ylabel("")
                 axes.set_yticklabels([])
@@ -72,7 +75,8 @@ def plot_modes(section: Section, refinement: int = 1) -> Figure:
     bar = figure.colorbar(colours, cax=figure.add_subplot(rows[2]), orientation="horizontal")
     bar.set_label("displacement in the section, relative to its largest", fontsize=_FONT)
     bar.ax.tick_params(labelsize=_FONT - 1)
-    figure.suptitle(f"{section.title}: cosine amplitudes of $u_r$ and $u_z$", fontsize=_FONT + 1)
+    title = f"{visible(section.title)}: cosine amplitudes of u_r and u_z"
+    figure.suptitle(title, fontsize=_FONT + 1, **PLAIN)
     return figure
 
 

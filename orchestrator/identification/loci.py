@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fmus.compile import kernel
 from fmus.contact.linearised import LinearContact
 from fmus.modal.modes import Modes
 from fmus.wheel.wheelset import Wheelset
@@ -81,7 +81,7 @@ class Family:
         )
 
 
-@njit(cache=True)
+@kernel
 def _mobility(omega, natural, zeta, lateral, normal):  # type: ignore[no-untyped-def]
     """Return lateral, cross and normal mobility of modes, (3, m); `modal_terms` without its large arrays."""
     out = np.zeros((3, omega.size), dtype=np.complex128)

@@ -14,6 +14,9 @@ with r = |D|^2 / Re D and q = 2 zeta w0 r / (psi3^2 + 2 zeta w0 r). Amplitudes a
 
 and r >= Re D >= Re Y33 of the rail, whatever the wheel. Where the table's r is smaller than the rail's Re Y33, table,
 friction data and track exclude each other.
+
+q (1 - q) is at most 1/4 for any q, so r <= m0^2 L2 / (4 g L3^2): the gain of Case 1, the falling coefficient m1 and how
+well q is known drop out as well, and of the friction law g/m0^2 is all that is left.
 """
 
 from __future__ import annotations
@@ -41,6 +44,7 @@ class Consistency:
     frequency_hz : of the crossing in Case 1 [Hz]
     r : |D|^2 / Re D that the printed gains imply [m/s/N]
     rail : Re Y33 of the rail there [m/s/N]
+    largest_r : the same whatever the falling coefficient and the gain of Case 1 [m/s/N]
     largest_slope : falling slope beyond which r is smaller than the rail's Re Y33 [N s/m]
     """
 
@@ -48,6 +52,7 @@ class Consistency:
     frequency_hz: Real
     r: Real
     rail: Real
+    largest_r: Real
     largest_slope: Real
 
 
@@ -72,4 +77,6 @@ def consistency(paper: PaperTable, rail: Mobility, falling: LinearContact, const
     r = implied_r(paper.gain[:3, column], slope, mu1, mu0)
     Y = falling.turn @ rail(2 * np.pi * frequency_hz) @ falling.turn.T
     real = Y[:, 2, 2].real
-    return Consistency(tuple(CELL_MODES[c] for c in column), frequency_hz, r, real, slope * r / real)
+    _, second, third = paper.gain[:3, column]
+    largest = mu0**2 * second / (4 * slope * third**2)
+    return Consistency(tuple(CELL_MODES[c] for c in column), frequency_hz, r, real, largest, slope * r / real)

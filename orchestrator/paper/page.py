@@ -6,8 +6,8 @@ has a module of its own. Writing one part leaves the other as it stands on the p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 Value = float | str | None
@@ -22,8 +22,11 @@ _TITLE = "The paper and this software, number by number"
 _INTRODUCTION = """\
 B. Ding, G. Squicciarini, D. J. Thompson, *Effects of rail dynamics and friction characteristics on curve squeal*,
 J. Phys.: Conf. Ser. 744 (2016) 012146. `make paper` writes this page; nothing on it is typed by hand. Differences are
-ours minus the paper's; an empty cell means that the paper gives no number."""
+ours minus the paper's; an empty cell means that the paper gives no number. "As printed" are the cases with the numbers
+of Tables 1 and 3, `case1` to `case4`; "inferred" are those with what Table 4 alone tells, `inferred1` to `inferred4`
+(docs/stability.md). Differences are those of the cases as printed."""
 _HEAD = "| quantity | unit | paper | here | difference |\n| --- | --- | --- | --- | --- |"
+_THREE = "| quantity | unit | paper | as printed | difference | inferred |\n| --- | --- | --- | --- | --- | --- |"
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class Item:
     rows : the numbers
     sentence : what the comparison says, with the reason of every miss
     figures : pictures that were written
+    inferred : what the inferred cases have, by quantity; empty where they are not compared
     """
 
     label: str
@@ -44,6 +48,13 @@ class Item:
     rows: tuple[Row, ...] = ()
     sentence: str = ""
     figures: tuple[Path, ...] = ()
+    inferred: Mapping[str, Value] = field(default_factory=dict)
+
+    def beside(self, inferred: Item, note: str = "", figures: tuple[Path, ...] = ()) -> Item:
+        """Return the item with a column for the inferred cases, whose item is given; a sentence and figures of both."""
+        values = {row[0]: row[3] for row in inferred.rows}
+        sentence = f"{self.sentence} {note}".strip()
+        return replace(self, sentence=sentence, figures=(*self.figures, *figures), inferred=values)
 
 
 def relative(paper: float, ours: float) -> str:
@@ -98,12 +109,22 @@ def _item(item: Item, folder: Path) -> str:
     if item.sentence:
         blocks.append(item.sentence)
     if item.rows:
-        blocks.append("\n".join([_HEAD, *(_row(row) for row in item.rows)]))
+        blocks.append("\n".join(_table(item)))
     blocks += [f"![{item.label}]({figure.relative_to(folder).as_posix()})" for figure in item.figures]
     return "\n\n".join(blocks)
 
 
-def _row(row: Row) -> str:
+def _table(item: Item) -> list[str]:
+    """Return the lines of the numbers; what the inferred cases alone have comes last."""
+    if not item.inferred:
+        return [_HEAD, *(_row(row) for row in item.rows)]
+    known = {row[0] for row in item.rows}
+    rows = [_row((*row, item.inferred.get(row[0]))) for row in item.rows]
+    rows += [_row((name, None, None, None, None, v)) for name, v in item.inferred.items() if name not in known]
+    return [_THREE, *rows]
+
+
+def _row(row: Sequence[Value]) -> str:
     return "| " + " | ".join(_text(value) for value in row) + " |"
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..figures.run import draw_directions, draw_sound
-from ..published.cases import CASES, PAPER_HZ, SAME_TONE
+from ..published.cases import CASES, INFERRED, PAPER_HZ, SAME_TONE
 from ..results.file import open_results
 from ..signals.axes import NORMAL, PLANE
 from ..signals.limit_cycle import Growth, LimitCycle, growth_of, limit_cycle
@@ -55,7 +55,8 @@ def items(results_folder: Path, figures: Path) -> list[Item]:
 
     Parameters
     ----------
-    results_folder : with case1.nc to case4.nc, as `curvesqueal run` leaves them
+    results_folder : with case1.nc to case4.nc, as `curvesqueal run` leaves them; inferred1.nc to inferred4.nc get a
+        column
     figures : folder for the pictures
 
     Raises
@@ -67,15 +68,41 @@ def items(results_folder: Path, figures: Path) -> list[Item]:
     if missing:
         raise InputError(f"{results_folder}: has no {missing[0]}.nc; run: curvesqueal run {missing[0]} first")
     figures.mkdir(parents=True, exist_ok=True)
+    pictures = {}
     facts: dict[str, Facts] = {}
-    histories = []
     for number, case in enumerate(CASES, start=8):
-        picture = figures / f"figure-{number}.png"
+        pictures[case] = figures / f"figure-{number}.png"
         with open_results(results_folder / f"{case}.nc") as data:
             facts[case] = facts_of(data)
-            draw_directions(data, picture)
-        histories.append(history(f"Figure {number}", case, facts[case], picture))
-    return [*histories, radiation(facts, figures / "figure-12.png"), *claims(facts)]
+            draw_directions(data, pictures[case])
+    picture = figures / "figure-12.png"
+    draw_sound({case: f.sound for case, f in facts.items()}, picture)
+    found = [*histories(facts, pictures), radiation(facts, (picture,)), *claims(facts)]
+    twins = _inferred(results_folder)
+    if not twins:
+        return found
+    beside = [*histories(twins, {}), radiation(twins), *claims(twins)]
+    return [a.beside(b, f"Inferred: {b.sentence}") for a, b in zip(found, beside, strict=True)]
+
+
+def _inferred(results_folder: Path) -> dict[str, Facts]:
+    """Return what is known of the runs of the inferred cases, by the case as printed; nothing if one is missing."""
+    files = {case: results_folder / f"{twin}.nc" for case, twin in zip(CASES, INFERRED, strict=True)}
+    if not all(file.is_file() for file in files.values()):
+        return {}
+    facts = {}
+    for case, file in files.items():
+        with open_results(file) as data:
+            facts[case] = facts_of(data)
+    return facts
+
+
+def histories(facts: Mapping[str, Facts], pictures: Mapping[str, Path]) -> list[Item]:
+    """Return the items of Figs 8 to 11."""
+    return [
+        history(f"Figure {n}", case, f, (pictures[case],) if case in pictures else ())
+        for n, (case, f) in enumerate(facts.items(), start=8)
+    ]
 
 
 def facts_of(data: xr.Dataset) -> Facts:
@@ -92,7 +119,7 @@ def facts_of(data: xr.Dataset) -> Facts:
     )
 
 
-def history(label: str, case: str, facts: Facts, picture: Path) -> Item:
+def history(label: str, case: str, facts: Facts, pictures: tuple[Path, ...] = ()) -> Item:
     """Return the item of a velocity history and its spectra."""
     cycle = facts.cycle
     rows: list[Row] = [_dominant(case, cycle)]
@@ -113,7 +140,7 @@ def history(label: str, case: str, facts: Facts, picture: Path) -> Item:
             ("normal force, smallest and largest", "kN", None, _range(cycle.normal_force), None),
             ("friction force, smallest and largest", "kN", None, _range(cycle.friction_force), None),
         ]
-    return Item(label, f"time history of {facts.title}", tuple(rows), _history_sentence(case, cycle), (picture,))
+    return Item(label, f"time history of {facts.title}", tuple(rows), _history_sentence(case, cycle), pictures)
 
 
 def _dominant(case: str, cycle: LimitCycle) -> Row:
@@ -143,18 +170,22 @@ def as_published(case: str, cycle: LimitCycle) -> bool:
     return cycle.frequency_hz is not None and abs(cycle.frequency_hz / PAPER_HZ[case] - 1) < SAME_TONE
 
 
-def radiation(facts: Mapping[str, Facts], picture: Path) -> Item:
-    """Return the item of Fig. 12: A-weighted levels at 7.5 m."""
-    draw_sound({case: f.sound for case, f in facts.items()}, picture)
+def radiation(facts: Mapping[str, Facts], pictures: tuple[Path, ...] = ()) -> Item:
+    """Return the item of Fig. 12: A-weighted levels at 7.5 m, of the wheel, of the rail, and of both."""
     rows: list[Row] = []
     for case, f in facts.items():
         band = f"{f.sound.low_dba:.1f} to {f.sound.high_dba:.1f}"
         rows.append((f"{case}, A-weighted level at 7.5 m", "dB(A)", None, f"{f.sound.level_dba:.1f} ({band})", None))
+        if f.sound.rail_dba is not None:
+            rows.append((f"{case}, the rail's", "dB(A)", None, f"{f.sound.rail_dba:.1f}", None))
+            rows.append((f"{case}, wheel and rail", "dB(A)", None, f"{f.sound.total_dba:.1f}", None))
     sentence = (
         "The paper's figure is a curve without numbers. In brackets what doubtful coefficients of the radiation model, "
-        "a receiver on the axis and a hard ground make of it."
+        "a receiver on the axis and a hard ground make of it. The rail's sound is not in the paper."
     )
-    return Item("Figure 12", "noise radiation from the wheel", tuple(rows), sentence, (picture,))
+    if not pictures:
+        sentence = f"levels of the wheel within {_spread(facts):.1f} dB."
+    return Item("Figure 12", "noise radiation from the wheel", tuple(rows), sentence, pictures)
 
 
 def claims(facts: Mapping[str, Facts]) -> list[Item]:
@@ -245,9 +276,14 @@ def _rail_larger(facts: Mapping[str, Facts]) -> Item:
     return Item("Claim", "the rail exceeds the wheel at harmonics or rail modes", tuple(rows), sentence)
 
 
+def _spread(facts: Mapping[str, Facts]) -> float:
+    """Return the largest minus the smallest level of the wheel [dB]."""
+    levels = [f.sound.level_dba for f in facts.values()]
+    return max(levels) - min(levels)
+
+
 def _similar_levels(facts: Mapping[str, Facts]) -> Item:
-    levels = {case: f.sound.level_dba for case, f in facts.items()}
-    spread = max(levels.values()) - min(levels.values())
+    spread = _spread(facts)
     rows: tuple[Row, ...] = (("largest minus smallest level of the four cases", "dB", None, spread, None),)
     reason = (
         "on the rigid rail the limit cycle couples (4,0) with the radial mode (2,r), whose normal motion only the "

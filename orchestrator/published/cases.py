@@ -45,6 +45,8 @@ PEAKS_HZ = (80.0, 700.0)
 """Peaks of the vertical receptance in Fig. 3."""
 
 CASES = ("case1", "case2", "case3", "case4")
+INFERRED = ("inferred1", "inferred2", "inferred3", "inferred4")
+"""The same with what Table 4 alone tells."""
 
 PAPER_HZ = {"case1": 1100.0, "case2": 1978.0, "case3": 1100.0, "case4": 1978.0}
 """Dominant frequencies of Figs 8 to 11."""

@@ -22,6 +22,7 @@ from ..sound.levels import Sound, sound_of
 from ..sound.wav import compressed, pressure_of
 from ..stability.linear_model import LinearModel, model_of
 from ..stability.scheme import growth_of_scheme
+from ..visible import visible
 from . import plots
 from .plots import Plot
 
@@ -102,7 +103,7 @@ class Section:
         )
         if self.sound is not None:
             s = self.sound
-            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).")
+            parts.append(f"At 7.5 m {s.level_dba:.1f} dB(A) ({s.low_dba:.1f} to {s.high_dba:.1f}).{plots.with_rail(s)}")
         if cycle.contact_lost:
             parts.append(f"Contact is lost {cycle.contact_lost:.1%} of the time.")
         return " ".join(parts)
@@ -160,8 +161,8 @@ def section(data: xr.Dataset, key: str, path: Path) -> Section:
     (sound, silence), numbers = _sound(data), summarise(data)
     return Section(
         key=key,
-        title=str(data.attrs.get("title") or path.stem),
-        source=path.name,
+        title=visible(str(data.attrs.get("title") or path.stem)),
+        source=visible(path.name),
         attributes=dict(data.attrs),
         duration=data.sizes["time"] * sample_interval(data),
         cycle=cycle,
@@ -241,7 +242,7 @@ def render(sections: Sequence[Section], overview: Sequence[Plot]) -> str:
     return environment.get_template("report.html.jinja").render(
         sections=sections,
         overview=overview,
-        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
+        figures=json.dumps(figures, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         library=(TEMPLATES / "plotly-basic.min.js").read_text(encoding="utf-8"),
         script=(TEMPLATES / "report.js").read_text(encoding="utf-8"),
         style=(TEMPLATES / "report.css").read_text(encoding="utf-8"),

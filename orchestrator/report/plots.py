@@ -6,6 +6,7 @@ Long signals are given as the smallest and largest value of short pieces, so tha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -156,20 +157,27 @@ def sound_bands(sound: Sound) -> Plot:
     }
     layout = _axes("Band [Hz]", "Level [dB(A)]", xaxis_type="category")
     layout["yaxis"]["range"] = [0.0, max(20.0, float(weighted.max()) + 5)]
-    text = f"Total {sound.level_dba:.1f} dB(A); loudest band {bands[int(weighted.argmax())]} Hz."
-    return Plot("Sound pressure at the receiver, one-third octaves", text, [trace], layout)
+    text = f"Total {sound.level_dba:.1f} dB(A); loudest band {bands[int(weighted.argmax())]} Hz.{with_rail(sound)}"
+    return Plot("Sound pressure of the wheel at the receiver, one-third octaves", text, [trace], layout)
+
+
+def with_rail(sound: Sound) -> str:
+    """Return the sentence on the rail's level and that of both, or the reason why they are not known."""
+    if sound.rail_dba is not None:
+        return f" Rail {sound.rail_dba:.1f} dB(A), wheel and rail together {sound.total_dba:.1f} dB(A)."
+    return f" The rail's sound is not known: {sound.rail}." if isinstance(sound.rail, str) else ""
 
 
 def levels(rows: list[tuple[str, Sound]]) -> Plot:
     """Return the total levels of several runs with their bands."""
     values = np.array([sound.level_dba for _, sound in rows])
     trace: Trace = {
-        "x": [name for name, _ in rows],
+        "x": [escape(name, quote=False) for name, _ in rows],  # Plotly reads a little HTML
         "y": plain(values),
         "type": "scatter",
         "mode": "markers",
         "marker": {"size": 12},
-        "name": "level",
+        "name": "wheel",
         "role": "sound",
         "error_y": {
             "type": "data",
@@ -179,10 +187,26 @@ def levels(rows: list[tuple[str, Sound]]) -> Plot:
         },
         "hovertemplate": "%{x}: %{y:.1f} dB(A)<extra></extra>",
     }
+    known = [(name, s.rail_dba, s.total_dba) for name, s in rows if s.rail_dba is not None and s.total_dba is not None]
+    others: list[Trace] = [
+        {
+            "x": [row[0] for row in known],
+            "y": plain([row[k] for row in known]),
+            "type": "scatter",
+            "mode": "markers",
+            "marker": {"size": 10, "symbol": symbol},
+            "name": name,
+            "role": role,
+            "hovertemplate": f"%{{x}}, {name}: %{{y:.1f}} dB(A)<extra></extra>",
+        }
+        for k, name, role, symbol in ((1, "rail", "rail", "diamond"), (2, "wheel and rail", "limit", "square-open"))
+        if known
+    ]
     layout = _axes("", "A-weighted level [dB(A)]", xaxis_type="category")
-    layout["yaxis"]["range"] = [float(values.min()) - 15, float(values.max()) + 15]
+    every = [*values, *(level for row in known for level in row[1:])]
+    layout["yaxis"]["range"] = [float(min(every)) - 15, float(max(every)) + 15]
     text = "; ".join(f"{name} {sound.level_dba:.1f} dB(A)" for name, sound in rows)
-    return Plot("Total sound pressure level", f"{text}.", [trace], layout)
+    return Plot("Total sound pressure level", f"{text}.", [trace, *others], layout)
 
 
 def nyquist(loci: Eigenloci, crossings: tuple[Crossing, ...]) -> Plot:

@@ -12,6 +12,7 @@ from ..coupling.assembly import Assembly
 from ..coupling.master import Master, Settings
 from ..fmi.file import Fmu
 from ..fmi.instance import Value
+from ..visible import visible
 from .identity import identity, plain, versions
 from .scenario import Scenario
 
@@ -50,7 +51,7 @@ def _attributes(
         IDENTITY: identity(assembly, settings),
         "title": assembly.system.name,
         "case": assembly.system.name,
-        "system": assembly.system.path.name,
+        "system": visible(assembly.system.path.name),
         "algorithm": settings.algorithm,
         "step_s": settings.step,
         "duration_s": settings.duration,

@@ -14,6 +14,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from fmus.packaging.archive import write_files
+from fmus.packaging.ssp.namespaces import tag
 from fmus.packaging.ssp.xml import (
     Exponents,
     add_experiment,
@@ -21,7 +22,6 @@ from fmus.packaging.ssp.xml import (
     add_stage,
     add_units,
     parameter_set,
-    tag,
     to_bytes,
 )
 

@@ -101,9 +101,11 @@ def verdict(path: Path, data: Samples, summary: Summary, progress: Progress, spu
     tone = cycle.frequency_hz if cycle.squeals and not irregular else None
     mode = None if tone is None else _mode(data, tone)
     growth = growing[1] if growing else summary.growth_rate
-    parts = [_words(cycle.squeals, tone, mode, growth, growing and growing[0])]
-    if irregular:
-        parts[0] = f"squeals irregularly, without a tone (strongest line {cycle.frequency_hz:.0f} Hz)"
+    parts = [
+        f"squeals irregularly, without a tone (strongest line {cycle.frequency_hz:.0f} Hz)"
+        if irregular
+        else _words(cycle.squeals, tone, mode, growth, growing and growing[0])
+    ]
     if level is not None and band is not None:
         parts.append(f"{level:.0f} dB(A) at 7.5 m ({band[0]:.0f} to {band[1]:.0f})")
     if cycle.squeals:

@@ -70,6 +70,11 @@ class Sound:
     rail: RailSound | str
     total_dba: float | None
 
+    @property
+    def rail_dba(self) -> float | None:
+        """A-weighted level of the rail [dB(A)]; None where it is not known, or the rail does not move."""
+        return None if isinstance(self.rail, str) or np.isinf(self.rail.level_dba) else self.rail.level_dba
+
 
 def sound_of(
     data: xr.Dataset,

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fmus.compile import kernel
 from fmus.contact.linearised import LinearContact
 from fmus.modal.modes import Modes
 
@@ -141,7 +141,7 @@ def _complete(upper: Complex, real: Real, block: _Block) -> bool:
     return all(abs(s - t) <= _ROUNDING * size for s, t, size in zip(sums, (first, second), sizes, strict=True))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _improve(upper, real, block, close, sweeps):  # type: ignore[no-untyped-def]
     """Improve all roots in place; return whether all of them settled.
 
@@ -169,14 +169,14 @@ def _improve(upper, real, block, close, sweeps):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _inverse(z):  # type: ignore[no-untyped-def]
     """Return 1/z; not a number for 0, where Numba's own division of complex numbers ends in an exception."""
     size = z.real * z.real + z.imag * z.imag
     return complex(z.real / size, -z.imag / size)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _pull(z, upper, real, not_upper, not_real):  # type: ignore[no-untyped-def]
     """Return the sum of 1/(z - z_j) over all roots but one, and but the conjugate of an upper one."""
     total = 0j
@@ -189,7 +189,7 @@ def _pull(z, upper, real, not_upper, not_real):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _log_derivative(s, block):  # type: ignore[no-untyped-def]
     """Return p'/p of the characteristic polynomial: sum d_k'/d_k + tr((I - L Y)^-1 (I - L Y)')."""
     omega, zeta, R, L0, L1 = block
@@ -219,7 +219,7 @@ def _log_derivative(s, block):  # type: ignore[no-untyped-def]
     return total + _trace_of_quotient(M, dM)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _trace_of_quotient(M, N):  # type: ignore[no-untyped-def]
     """Return tr(M^-1 N) by elimination with pivots; both matrices are used up."""
     d = M.shape[0]

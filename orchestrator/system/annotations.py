@@ -9,13 +9,15 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from fmus.packaging.ssp.namespaces import tag
+
 from ..errors import Fault
 from .xml import SSC, SSD, Document, local
 
-_OURS = "{urn:curvesqueal:ssp}"
+_OURS = tag("curvesqueal")
 _STEPS = (
-    ("{http://opensimulationplatform.com/SSP/OSPAnnotations}FixedStepAlgorithm", "baseStepSize"),
-    ("{https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd}FixedStepMaster", "stepSize"),
+    (tag("osp", "FixedStepAlgorithm"), "baseStepSize"),
+    (tag("oms", "FixedStepMaster"), "stepSize"),
 )
 """Elements and attributes in which other tools keep the communication step, in the order in which they are tried."""
 
@@ -57,9 +59,9 @@ def read_settings(document: Document, notices: list[str]) -> ExperimentSettings:
             raise document.error(stray, "only one is read, in DefaultExperiment, at the root or in its System")
     step = None if ours is None else ours.get("stepSize")
     node = ours
-    for tag, attribute in _STEPS:
+    for element, attribute in _STEPS:
         if step is None:
-            node = next(document.root.iter(tag), None)
+            node = next(document.root.iter(element), None)
             step = None if node is None else node.get(attribute)
     return ExperimentSettings(
         start, stop, None if step is None else _positive(document, node, step),

@@ -8,12 +8,12 @@ import tempfile
 from pathlib import Path
 
 import fmus as components
+from fmus.cache import cache_folder, mark_used
 from fmus.cases import SSP_FOLDER, read_cases
 from fmus.errors import DataError
 from fmus.packaging.build import SSP_NAME, build
 from fmus.packaging.target import default_target
 
-from ..cache import cache_folder
 from ..errors import InputError
 from .model import System
 from .reader import read_system
@@ -55,4 +55,5 @@ def built_ssp() -> Path:
                 raise
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
+    mark_used(final)
     return final / SSP_NAME

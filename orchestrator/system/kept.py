@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from fmus.cache import cache_folder, mark_used
 from fmus.component import Component
 from fmus.errors import DataError
 from fmus.modal import component as structure_of
@@ -15,7 +16,6 @@ from fmus.packaging.build import build_fmu
 from fmus.packaging.target import default_target
 from fmus.rail.track_data import TRACKS, read_track
 
-from ..cache import cache_folder
 from ..errors import InputError
 
 
@@ -88,4 +88,5 @@ def kept_fmu(kind: str, name: str, make: Callable[[], Component]) -> Path:
             temporary = Path(folder) / f"{component.name}.fmu"
             build_fmu(component, temporary)
             temporary.replace(final)
+    mark_used(final)
     return final

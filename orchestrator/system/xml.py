@@ -11,15 +11,12 @@ from urllib.parse import unquote, urlsplit
 import fmpy.ssp
 from lxml import etree
 
+from fmus.packaging.ssp.namespaces import tag
+
 from ..errors import InputError
 from ..units import BASE_UNITS, Unit
 
-_BASE = "http://ssp-standard.org/SSP1/SystemStructure"
-SSD = f"{{{_BASE}Description}}"
-SSC = f"{{{_BASE}Common}}"
-SSV = f"{{{_BASE}ParameterValues}}"
-SSM = f"{{{_BASE}ParameterMapping}}"
-SSB = f"{{{_BASE}SignalDictionary}}"
+SSD, SSC, SSV, SSM, SSB = (tag(prefix) for prefix in ("ssd", "ssc", "ssv", "ssm", "ssb"))
 
 SCHEMAS = {
     "1.0": Path(fmpy.ssp.__file__).parent / "schema",

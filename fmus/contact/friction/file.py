@@ -38,7 +38,8 @@ def read_friction(path: Path) -> dict[str, float]:
     factor = _factor(path, over, headers[column])
     if headers[friction].unit not in {"", "-", "1"}:
         raise DataError(
-            f"{path.name}: friction is in {headers[friction].unit!r}; must be a ratio of forces, without unit"
+            f"{path.name}, line {headers[friction].line}: friction is in {headers[friction].unit!r}; must be a ratio "
+            "of forces, without unit"
         )
     places = [f"{path.name}, line {line}" for line, _ in rows]
     x, y = (np.array([_number(p, r, i) for p, (_, r) in zip(places, rows, strict=True)]) for i in (column, friction))
@@ -53,7 +54,7 @@ def _column(path: Path, headers: list[Header], wanted: tuple[str, ...]) -> tuple
     found = [(word, i) for word in wanted for i, h in enumerate(headers) if _WORDS[word].fullmatch(h.name)]
     if len(found) != 1:
         has = ", ".join(h.name or "nothing" for h in headers)
-        raise DataError(f"{path.name}: must have one column {' or '.join(wanted)}; has {has}")
+        raise DataError(f"{path.name}, line {headers[0].line}: must have one column {' or '.join(wanted)}; has {has}")
     return found[0]
 
 
@@ -61,14 +62,16 @@ def _factor(path: Path, over: str, header: Header) -> float:
     """Return what the abscissa is multiplied with to be a ratio or in m/s."""
     if over == "creepage":
         if header.unit not in _CREEPAGE_UNITS:
-            raise DataError(f"{path.name}: creepage is in {header.unit!r}; must be in - or %")
+            raise DataError(f"{path.name}, line {header.line}: creepage is in {header.unit!r}; must be in - or %")
         return _CREEPAGE_UNITS[header.unit]
     if not header.unit:
-        raise DataError(f"{path.name}: {header.name} has no unit; must be one such as {header.name} [m/s]")
+        raise DataError(
+            f"{path.name}, line {header.line}: {header.name} has no unit; must be one such as {header.name} [m/s]"
+        )
     try:
         return velocity_factor(header.unit)
     except DataError as error:
-        raise DataError(f"{path.name}: {header.name}: {error}") from None
+        raise DataError(f"{path.name}, line {header.line}: {header.name}: {error}") from None
 
 
 def _number(place: str, row: list[str], column: int) -> float:

@@ -38,11 +38,12 @@ def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
     reader = _Reader(path.name)
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         reader.take(line, number)
-    if reader.block:
-        raise DataError(f"{path.name}: ends within a block of {reader.block}; the file is cut off")
+    if reader.block or not reader.ended:
+        inside = f"within a block of {reader.block}" if reader.block else "without the line 9999"
+        raise DataError(f"{path.name}: ends {inside}; the file is cut off")
     if not reader.modes:
         raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
-    return in_si(path.name, [RawMode(*mode) for mode in reader.modes], reader.position, units)
+    return in_si(path.name, reader.modes, reader.position, units)
 
 
 class _Reader:
@@ -51,16 +52,19 @@ class _Reader:
     Attributes
     ----------
     position : coordinates by node
-    modes : frequency, generalised mass and displacements by node of each mode
+    modes : whose displacements are those that are read last
     block : what the lines with values belong to, '' where they are passed over
+    ended : whether the last line of a file has been seen
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.position: dict[int, Real] = {}
-        self.modes: list[tuple[float, float, dict[int, Real]]] = []
+        self.modes: list[RawMode] = []
         self.block = ""
+        self.ended = False
         self._mass = 1.0
+        self._values: dict[int, Real] = {}
         self._frequency_hz = 0.0
 
     def take(self, line: str, number: int) -> None:
@@ -69,21 +73,32 @@ class _Reader:
         if line.startswith(" -1"):
             if self.block in {"nodes", "displacements"}:
                 node, values = _values(line, where)
-                (self.position if self.block == "nodes" else self.modes[-1][2])[node] = values
+                (self.position if self.block == "nodes" else self._values)[node] = values
+        elif line.rstrip() == " 9999":
+            self.ended = True
         elif line.startswith(" -3"):
             self.block = ""
         elif line.startswith(" -4"):
             wanted = self.block == "results" and line[5:13].strip() == "DISP"
             self.block = "displacements" if wanted else ""
             if wanted:
-                self.modes.append((self._frequency_hz, self._mass, {}))
+                self._values = {}
+                self.modes.append(RawMode(self._frequency_hz, self._mass, self._values, where=where))
         elif line.startswith("    1PGM"):
-            self._mass = float(line[8:].split(maxsplit=1)[0])
+            self._mass = _real(line[8:].split()[:1], where, "generalised mass")
         elif line.startswith(_NODES):
             self.block = _ascii("nodes", line, where)
         elif line.startswith(_RESULTS):
             self.block = _ascii("results" if "MODAL" in line[58:] else "", line, where)
-            self._frequency_hz = float(line[12:24])
+            self._frequency_hz = _real([line[12:24]], where, "frequency")
+
+
+def _real(texts: list[str], where: str, what: str) -> float:
+    """Return the number of a text, of which there must be one."""
+    try:
+        return float(*texts) if texts else float("none")
+    except ValueError:
+        raise DataError(f"{where}: the {what} must be a number; got {' '.join(texts) or 'nothing'!r}") from None
 
 
 def _ascii(block: str, line: str, where: str) -> str:

@@ -24,6 +24,7 @@ class RawMode:
     values : (3,) translations, or (6,) with rotations, by number of the node
     damping_ratio : nan where the file has none
     number : of the mode in the file; None: its place
+    where : data set or line of the file, '' where the number says enough
     """
 
     frequency_hz: float
@@ -31,6 +32,7 @@ class RawMode:
     values: Mapping[int, Real]
     damping_ratio: float = np.nan
     number: int | None = None
+    where: str = ""
 
 
 def in_si(where: str, modes: Sequence[RawMode], position: Mapping[int, Real], units: UnitSystem) -> NodalModes:
@@ -43,10 +45,11 @@ def in_si(where: str, modes: Sequence[RawMode], position: Mapping[int, Real], un
     """
     nodes = sorted(modes[0].values)
     for i, mode in enumerate(modes, start=1):
+        place = mode.where or f"{where}, mode {mode.number or i}"
         if sorted(mode.values) != nodes:
-            raise DataError(f"{where}, mode {i}: has other nodes than mode 1; must be the same")
+            raise DataError(f"{place}: has other nodes than the first mode; must be the same")
         if not 0 < mode.mass < np.inf:
-            raise DataError(f"{where}, mode {i}: modal mass is {mode.mass:g}; must be > 0")
+            raise DataError(f"{place}: modal mass is {mode.mass:g}; must be > 0")
     kilograms = units.length / units.force
     size = max(values.size for mode in modes for values in mode.values.values())
     shape = np.full((len(modes), len(nodes), size), np.nan)

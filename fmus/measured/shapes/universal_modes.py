@@ -60,7 +60,7 @@ def _mode_55(data: DataSet) -> RawMode:
     table = np.column_stack(columns)
     damping = float(c["modal_damp_vis"]) + float(c["modal_damp_his"]) / 2
     values = dict(zip((int(n) for n in c["node_nums"]), table, strict=True))
-    return RawMode(float(c["freq"]), float(c["modal_m"]), values, damping, int(c["mode_n"]))
+    return RawMode(float(c["freq"]), float(c["modal_m"]), values, damping, int(c["mode_n"]), data.where)
 
 
 def _mode_2414(data: DataSet) -> RawMode:
@@ -72,7 +72,7 @@ def _mode_2414(data: DataSet) -> RawMode:
     damping = float(c["record12_field5"]) + float(c["record12_field6"]) / 2
     values = {int(n): np.asarray(v, dtype=float) for n, v in zip(c["node_nums"], c["data_at_node"], strict=True)}
     number = int(c.get("record10_field6") or 0) or data.number
-    return RawMode(float(c["record12_field2"]), float(c["record12_field4"]), values, damping, number)
+    return RawMode(float(c["record12_field2"]), float(c["record12_field4"]), values, damping, number, data.where)
 
 
 def _require_normal(data: DataSet, analysis: Any, kind: Any, is_complex: bool) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from platformdirs import user_cache_path
+from ...cache import cache_folder, mark_used
 
 NOTHING_KEPT = "CURVESQUEAL_BUILD_ANEW"
 """The variable of the environment that, if it is set, makes every build compile."""
@@ -39,7 +39,9 @@ def kept(key: str) -> bytes | None:
     if os.environ.get(NOTHING_KEPT):
         return None
     with suppress(OSError):
-        stored = (_folder() / key).read_bytes()
+        path = cache_folder("compiled") / key
+        stored = path.read_bytes()
+        mark_used(path)
         if hashlib.sha256(stored[_MARK:]).digest() == stored[:_MARK]:
             return stored[_MARK:]
     return None
@@ -48,8 +50,7 @@ def kept(key: str) -> bytes | None:
 def keep(key: str, content: bytes) -> None:
     """Keep a content, with its checksum, where that is possible; readers meet the whole file or none."""
     with suppress(OSError):
-        folder = _folder()
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        folder = cache_folder("compiled")
         handle, name = tempfile.mkstemp(dir=folder)
         try:
             with os.fdopen(handle, "wb") as file:
@@ -57,7 +58,3 @@ def keep(key: str, content: bytes) -> None:
             Path(name).replace(folder / key)
         except OSError:
             Path(name).unlink(missing_ok=True)
-
-
-def _folder() -> Path:
-    return Path(os.environ.get("CURVESQUEAL_CACHE") or user_cache_path("curvesqueal")) / "compiled"

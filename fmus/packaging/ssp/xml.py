@@ -5,28 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
-_BASE = "http://ssp-standard.org/SSP1/"
-NAMESPACES = {
-    "ssd": _BASE + "SystemStructureDescription",
-    "ssc": _BASE + "SystemStructureCommon",
-    "ssv": _BASE + "SystemStructureParameterValues",
-    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
-    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
-    "curvesqueal": "urn:curvesqueal:ssp",
-}
+from .namespaces import NAMESPACES, tag
 
 Exponents = Mapping[str, float]
 """What a unit is in base units: their exponents, and `factor` and `offset` where they are not 1 and 0."""
 
 
-def tag(prefix: str, name: str) -> str:
-    """Return the full name of an element."""
-    return f"{{{NAMESPACES[prefix]}}}{name}"
-
-
 def to_bytes(root: Element) -> bytes:
     """Return an XML file; the prefixes are those that tools expect."""
-    for prefix, uri in NAMESPACES.items():
+    for prefix, uri in NAMESPACES.items():  # only those that are used are written
         register_namespace(prefix, uri)
     indent(root)
     body: bytes = tostring(root, "utf-8", xml_declaration=False)

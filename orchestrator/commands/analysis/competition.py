@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 import os
 from pathlib import Path
 from typing import Annotated, Any
@@ -67,7 +66,7 @@ def competition(  # noqa: PLR0913 - one argument per option
         draw_competition(case, ended.groups, picture)
     words = _compared(plan, ended) if compare and ended.groups else {}
     if json:
-        typer.echo(json_format.dumps({**_described(case, ended, picture), "cycles": words}, indent=1))
+        screen.print_json(data={**_described(case, ended, picture), "cycles": words})
     else:
         _show(case, ended.groups, ended.store, picture)
         for group, lines in words.items():

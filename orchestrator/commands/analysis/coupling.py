@@ -9,7 +9,6 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
-from ...plain_json import dumps
 from ...runs.changes import Changes
 from ..options import System, changes_system
 from ..tools import Json, screen
@@ -38,7 +37,7 @@ def coupling(
     except InputError as reason:
         raise InputError(f"{system}: no growth rates can be given: {reason}") from None
     if json:
-        typer.echo(dumps(data))
+        screen.print_json(data=data)
         return
     screen.print(_modes(data, f"{Path(system).name}: growth rates [1/s] below {BELOW_HZ:g} Hz at {settings.step:g} s"))
     screen.print(_summary(data))

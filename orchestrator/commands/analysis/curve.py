@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json as json_format
 import math
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from fmus.curving.bogie import Curve
@@ -56,7 +54,7 @@ def curve(  # noqa: PLR0913, PLR0917 - one argument per option
         )  # fmt: skip
     if json:
         yaw, shift = list(state.yaw), list(state.shift)
-        typer.echo(json_format.dumps({**as_json(the_curve, wheels), "yaw_rad": yaw, "shift_m": shift}, indent=2))
+        screen.print_json(data={**as_json(the_curve, wheels), "yaw_rad": yaw, "shift_m": shift})
         return
     screen.print(_table(the_curve, wheels))
     screen.print(in_words(wheels), soft_wrap=True, highlight=False)
@@ -114,7 +112,7 @@ def _table(curve: Curve, wheels: dict[str, SingingWheel]) -> Table:
     for place in wheels:
         table.add_column(place.replace("_", " "), justify="right")
     for heading, cell in ROWS.items():
-        table.add_row(escape(heading), *(cell(w) for w in wheels.values()))
+        table.add_row(heading, *(cell(w) for w in wheels.values()))
     table.add_row("unstable", *("\n".join(_tone(t) for t in w.tones) or "-" for w in wheels.values()))
     table.caption = (
         "positions to the field side, * beyond the tread: the wheel's modes are extrapolated; unstable: frequency in "

@@ -13,7 +13,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from ...errors import InputError
-from ...plain_json import dumps
 from ...runs.changes import Changes
 from ..options import System, changes_system
 from ..tools import Json, messages, notice, require_suffix, screen
@@ -71,7 +70,8 @@ def cycle(  # noqa: PLR0913 - one argument per option
         draw(found, name, tone, out)
     asked = with_fields(found, cycles=found.cycles if tone is None else found.all_near(tone)) if torus else None
     if json:
-        typer.echo(dumps({**as_json(name, found), **({} if asked is None else {"tori": tori_as_json(asked)})}))
+        tori = {} if asked is None else {"tori": tori_as_json(asked)}
+        screen.print_json(data={**as_json(name, found), **tori})
         return
     show(found, f"{name}: tones")
     if asked is not None:
@@ -130,7 +130,7 @@ def follow_all(found: Catalogue, name: str, against: str, how: tuple[bool, bool]
         draw_branches(branches, name).savefig(out, dpi=200)
     if json:
         data = {"case": name, "branches": [branch_as_json(b) for b in branches]}
-        typer.echo(dumps(data))
+        screen.print_json(data=data)
         return
     for c, branch in zip(found.cycles, branches, strict=True):
         screen.print(f"{c.frequency_hz:.2f} Hz against {parameter_name}: {branch.words}", highlight=False)

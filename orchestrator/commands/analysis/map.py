@@ -9,7 +9,6 @@ import typer
 from rich.table import Table
 
 from ...errors import InputError
-from ...plain_json import dumps
 from ..tools import Json, screen
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def map(  # noqa: PLR0913, PLR0917 - one argument per option
     else:
         found = _map(data, str(x), str(y), colour, out or store.with_suffix(f".{colour}.png"))
     if json:
-        typer.echo(dumps(found))
+        screen.print_json(data=found)
     else:
         screen.print(_table(found))
         screen.print(found["picture"], highlight=False, soft_wrap=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -45,7 +44,7 @@ def stability(
         out.parent.mkdir(parents=True, exist_ok=True)
         draw_stability(result, case).savefig(out, dpi=200)
     if json:
-        typer.echo(json_format.dumps(as_json(result), indent=2))
+        screen.print_json(data=as_json(result))
         return
     table = Table(
         title=f"{case}, below {REPORTED_BELOW_HZ:g} Hz ({result.unstable_pairs} encirclements at all frequencies)",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -50,7 +49,7 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
     if dry_run:
         found = campaign.estimate(the_plan, workers or os.cpu_count() or 1)
         if json:
-            typer.echo(json_format.dumps({"plan": str(plan), **found.__dict__}, indent=1))
+            screen.print_json(data={"plan": str(plan), **found.__dict__})
         else:
             screen.print(
                 f"{found.runs:,} runs, about {_time(found.seconds)} ({found.seconds_per_run:.3g} s of a core each), "
@@ -67,7 +66,7 @@ def sweep(  # noqa: PLR0913, PLR0917 - one argument per option
         write_rows(path, parquet)
     if json:
         data = {"store": str(path), "runs": ended.wanted, "done": ended.done, "failed": ended.failed, "wall_s": seconds}
-        typer.echo(json_format.dumps(data, indent=1))
+        screen.print_json(data=data)
     else:
         screen.print(f"{path}: {ended.done} of {ended.wanted} runs done, {ended.failed} failed", highlight=False)
     if ended.done + ended.failed < ended.wanted:

@@ -67,7 +67,7 @@ def listen(  # noqa: PLR0913 - one argument per option
             "radiated_share": sound.radiated_share, "total_dba": sound.total_dba,
             "rail": asdict(sound.rail) if isinstance(sound.rail, RailSound) else {"unknown": sound.rail},
         }  # fmt: skip
-        typer.echo(_as_json({"file": str(path), **asdict(calibration), **levels}))
+        screen.print_json(data={"file": str(path), **asdict(calibration), **levels})
         return
     screen.print(
         f"{path}  ({calibration.duration_s:.2f} s; full scale {calibration.full_scale_pa:.3g} Pa)", highlight=False
@@ -110,9 +110,3 @@ def further(sound: Sound) -> list[str]:
     else:
         lines.append("The rail does not move, so it is silent.")
     return lines
-
-
-def _as_json(data: dict[str, object]) -> str:
-    import json  # noqa: PLC0415
-
-    return json.dumps(data, indent=1)

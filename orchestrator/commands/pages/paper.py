@@ -21,7 +21,8 @@ def paper(
 ) -> None:
     """Write the page that sets every table, figure and claim of the paper next to ours.
 
-    The part about the time domain needs the results of the four cases (`curvesqueal run case1` to `case4`).
+    The part about the time domain needs the results of the four cases (`curvesqueal run case1` to `case4`); with
+    those of `inferred1` to `inferred4` it has a column for them.
     """
     figures = out / PICTURES
     figures.mkdir(parents=True, exist_ok=True)

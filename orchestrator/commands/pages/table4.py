@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_format
 from typing import Annotated
 
 import typer
@@ -24,7 +23,7 @@ def table4(
     """Print Table 4 of the paper next to ours: frequency and loop gain, cell by cell."""
     result = find_table4(rail, wheel, cases)
     if json:
-        typer.echo(json_format.dumps(result.as_json(), indent=2))
+        screen.print_json(data=result.as_json())
         return
     table = Table(
         title=f"Table 4: {result.right} of {len(result.cells)} cells right, rms ln(gain) error {result.log_error:.3f}",

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
@@ -29,7 +28,7 @@ def check(
     out: Annotated[Path, typer.Option(help="Folder for the mobility figure, FILE-mobility.png.")] = Path("results"),
     json: Json = False,
 ) -> None:
-    """Test an FMU against the contract of a rail, by what it declares and by running it.
+    """Test an FMU against the contract of a rail, by what it declares and by running it, which runs its code.
 
     Prints pass, fail or not offered for each demand and draws the mobility; fails if one fails.
     """
@@ -60,7 +59,7 @@ def table(report: RailReport) -> Table:
         "check", "result", "what was found", title=f"{report.file} as a rail, {report.step:g} s", title_justify="left"
     )
     for check in report.checks:
-        rows.add_row(check.name, check.status, escape(check.detail), style=COLOUR.get(check.status, ""))
+        rows.add_row(check.name, check.status, check.detail, style=COLOUR.get(check.status, ""))
     return rows
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 from rich.tree import Tree
 
@@ -38,25 +37,25 @@ def tables(description: dict[str, Any]) -> Iterator[Table | Tree]:
     if description["notices"]:
         notices = Table(title="passed over", title_justify="left", show_header=False)
         for notice in description["notices"]:
-            notices.add_row(escape(notice))
+            notices.add_row(notice)
         yield notices
 
 
 def _tree(name: str, components: list[dict[str, Any]]) -> Tree:
     """Return systems, components and parameters as a tree."""
-    root = Tree(escape(name))
+    root = Tree(name)
     branches = {"": root}
     for part in components:
         *systems, own = part["name"].split(".")
         for depth in range(len(systems)):
             path, above = ".".join(systems[: depth + 1]), ".".join(systems[:depth])
             if path not in branches:
-                branches[path] = branches[above].add(escape(systems[depth]))
+                branches[path] = branches[above].add(systems[depth])
         stage = "" if part["stage"] is None else f", stage {part['stage']}"
-        leaf = branches[".".join(systems)].add(escape(f"{own}  ({part['source']}{stage})"))
+        leaf = branches[".".join(systems)].add(f"{own}  ({part['source']}{stage})")
         for p in part["parameters"]:
             text = f"{p['name']} = {p['value']}{' ' + p['unit'] if p['unit'] else ''}"
-            leaf.add(escape(text + (f"  [{p['change']}]" if p["change"] else "")))
+            leaf.add(text + (f"  [{p['change']}]" if p["change"] else ""))
     return root
 
 
@@ -101,9 +100,9 @@ def _settable(variables: list[dict[str, Any]], title: str) -> Table:
             "" if low is None and high is None else f"{'' if low is None else low} .. {'' if high is None else high}"
         )
         start = "" if v["start"] is None else str(v["start"])
-        table.add_row(*map(escape, (v["name"], start, v["unit"] or "", limits, v["description"])))
+        table.add_row(v["name"], start, v["unit"] or "", limits, v["description"])
     for (name, label), stems in modes.items():
-        table.add_row(escape(name), "", "", "", escape(f"{label}: {', '.join(stems)}"))
+        table.add_row(name, "", "", "", f"{label}: {', '.join(stems)}")
     return table
 
 

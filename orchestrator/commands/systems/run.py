@@ -8,7 +8,6 @@ from shlex import quote
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 from rich.table import Table
 
 from fmus.interface import DIRECTIONS
@@ -52,7 +51,12 @@ def run(  # noqa: PLR0913 - one argument per option
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("results"),
     parquet: Annotated[bool, typer.Option("--parquet", help="Write the results as Parquet, too.")] = False,
-    isolate: Annotated[bool, typer.Option("--isolate", help="Each FMU in a process of its own, slowly.")] = False,
+    isolate: Annotated[
+        bool,
+        typer.Option(
+            "--isolate", help="Each FMU in a process of its own, slowly: protects against crashes and hangs only."
+        ),
+    ] = False,
     timeout: Annotated[float, typer.Option(help="Time that a call may take with --isolate [s].")] = 10.0,
     csv: Csv = False,
     picture: Annotated[
@@ -67,6 +71,8 @@ def run(  # noqa: PLR0913 - one argument per option
     """Simulate a case of the paper or any system of co-simulation FMUs.
 
     Leaves results (NetCDF), of which `picture`, `report` and `listen` make more; prints the verdict, levels, energies.
+
+    Running an FMU runs its code: take FMUs from sources that you trust.
     """
     scenario = changes.scenario(
         system,
@@ -135,7 +141,7 @@ def _show(outcome: Outcome) -> None:
         ("energy residual of the coupling [J]", _in_contact_axes(p.energy_residual)),
     )
     for label, numbers in rows:
-        table.add_row(escape(label), *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
+        table.add_row(label, *(f"{numbers[d]:.3g}" if d in numbers else "-" for d in columns))
     screen.print(outcome.verdict.sentence, highlight=False, markup=False, soft_wrap=True)
     screen.print(table)
     lines = {

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from fmus.errors import DataError
+
 from ...errors import InputError
 from ..balance import Balance, State, Truncation
 from ..catalogue import Cycle
@@ -17,34 +19,15 @@ from ..continuation import Curve, newton, tangent
 from ..fate import UNDECIDED
 from ..floquet import floquet
 from ..measures import motion_of, rms
+from .marks import FREE, SMALLEST, Mark, marks_of, state_between
 from .parameter import Parameter
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 TRUNCATION = Truncation(20, 256)
-SMALLEST = 0.004
-"""Amplitude at which a branch has come to its birth [m/s]."""
-
 LARGEST = 0.6
 _POINTS = 150
-_HALF = 0.49
-
-
-@dataclass(frozen=True)
-class Mark:
-    """A bifurcation.
-
-    Attributes
-    ----------
-    kind : Hopf, fold, Neimark-Sacker or period doubling
-    value : of the parameter
-    amplitude : of the cycle there [m/s]
-    """
-
-    kind: str
-    value: float
-    amplitude: float
 
 
 @dataclass(frozen=True)
@@ -112,18 +95,16 @@ def follow(
     Parameters
     ----------
     cycle : at the value `parameter.start`, which must lie in the range
-    span : smallest and largest value
+    span : smallest and largest value; beyond what the parameter can be the branch stops and says so
 
     Raises
     ------
     InputError
-        If the range is none, goes beyond what the parameter can have, or the cycle is not found again.
+        If the range is none, does not contain the value of the system, or the cycle is not found again.
     """
     low, high = span
-    if not parameter.low <= low < high <= parameter.high:
-        raise InputError(
-            f"{parameter.name} = {low:g}:{high:g}: must be a range within {parameter.low:g} to {parameter.high:g}"
-        )
+    if not low < high:
+        raise InputError(f"{parameter.name} = {low:g}:{high:g}: must be a range from a smaller to a larger number")
     if not low <= parameter.start <= high:
         raise InputError(
             f"{parameter.name} = {low:g}:{high:g}: must contain the value of the system, {parameter.start:g}"
@@ -135,11 +116,12 @@ def follow(
             free_scale=(high - low) / 10,
         )
         start = replace(cycle.state.resized(TRUNCATION.harmonics), free=parameter.start)
-        back, first = _walk(balance, start, -1.0, span)
-        on, last = _walk(balance, start, 1.0, span)
+        inside = Span(max(low, parameter.low), min(high, parameter.high), span)
+        back, first = _walk(balance, start, -1.0, inside)
+        on, last = _walk(balance, start, 1.0, inside)
         states = [*back[:0:-1], *on]
         exponents = _exponents(balance, states, with_stability, report)
-    marks = _marks(states, exponents)
+        marks = marks_of(balance, states, exponents)
     return Branch(
         parameter.name,
         np.array([s.free for s in states]),
@@ -152,7 +134,20 @@ def follow(
     )
 
 
-def _walk(balance: Balance, start: State, side: float, span: tuple[float, float]) -> tuple[list[State], str]:
+@dataclass(frozen=True)
+class Span:
+    """The values of a parameter that a branch is followed through, of those that were asked for."""
+
+    low: float
+    high: float
+    asked: tuple[float, float]
+
+    def words(self, end: float) -> str:
+        """Say why a branch ends at an end of the range."""
+        return "leaves the range" if end in self.asked else f"stops: the parameter cannot go beyond {end:g}"
+
+
+def _walk(balance: Balance, start: State, side: float, span: Span) -> tuple[list[State], str]:
     """Return the states on one side of a start, beginning with it, and why they end."""
     row = np.zeros(balance.size)
     row[-1] = 1.0
@@ -166,13 +161,19 @@ def _walk(balance: Balance, start: State, side: float, span: tuple[float, float]
     curve = Curve(balance, found.x, tangent(found.jacobian, balance.weights, side * row), largest=0.5)
     states = [state]
     while len(states) < _POINTS:
-        if curve.advance() is None:
+        try:
+            found_next = curve.advance()
+        except (DataError, InputError) as reason:
+            return states, f"stops at {states[-1].free:.4g}: {reason}"
+        if found_next is None:
             return states, f"cannot be followed beyond {states[-1].free:.4g}"
         state = balance.unpack(curve.x)
         if state.amplitude < SMALLEST:
             return [*states, *_birth(balance, states[-1])], "is born there"
-        if not span[0] <= state.free <= span[1]:
-            return states, "leaves the range"
+        if not span.low <= state.free <= span.high:
+            end = span.low if state.free < span.low else span.high
+            last = state_between(balance, states[-1], state, FREE, end)
+            return [*states, *([] if last is None else [last])], span.words(end)
         if state.amplitude > LARGEST:
             return states, "leaves the amplitudes of interest"
         states.append(state)
@@ -217,36 +218,3 @@ def _exponents(balance: Balance, states: list[State], wanted: bool, report: Call
         report("stability along the branch", k, len(states))
         exponents[k] = floquet(balance, state).largest
     return exponents
-
-
-def _marks(states: list[State], exponents: Complex) -> list[Mark]:
-    """Return the bifurcations along a branch."""
-    value = np.array([s.free for s in states])
-    amplitude = np.array([s.amplitude for s in states])
-    marks: list[tuple[float, Mark]] = []
-    for end, inner in ((0, 1), (-1, -2)):
-        if len(states) > 2 and max(amplitude[end], amplitude[inner]) < 1.5 * SMALLEST:
-            # near its birth the parameter is linear in the square of the amplitude
-            squares = amplitude[[end, inner]] ** 2
-            slope = (value[end] - value[inner]) / (squares[0] - squares[1])
-            marks.append((end % len(states), Mark("Hopf", float(value[end] - slope * squares[0]), 0.0)))
-    step = np.diff(value)
-    for k in np.flatnonzero(step[:-1] * step[1:] < 0) + 1:
-        marks.append((float(k), _fold(value[k - 1 : k + 2], amplitude[k - 1 : k + 2])))
-    half = 0.5 * np.array([s.omega for s in states])
-    for k in np.flatnonzero(exponents[:-1].real * exponents[1:].real < 0):
-        pair = np.abs(exponents[k : k + 2].imag)
-        grown = pair[int(exponents[k : k + 2].real.argmax())]
-        if grown > 1.0:
-            doubled = grown > 2 * _HALF * half[k]
-            part = exponents[k].real / (exponents[k].real - exponents[k + 1].real)
-            at, a = (float(v[k] + part * (v[k + 1] - v[k])) for v in (value, amplitude))
-            marks.append((k + part, Mark("period doubling" if doubled else "Neimark-Sacker", at, a)))
-    return [mark for _, mark in sorted(marks, key=lambda m: m[0])]
-
-
-def _fold(value: Real, amplitude: Real) -> Mark:
-    """Return the fold at the vertex of the parabola of the parameter over the amplitude through three points."""
-    second, first, rest = np.polyfit(amplitude, value, 2)
-    at = float(np.clip(-first / (2 * second), amplitude.min(), amplitude.max()))
-    return Mark("fold", float((second * at + first) * at + rest), at)

@@ -81,7 +81,7 @@ def label(row: dict[str, float]) -> str:
 
 @pytest.mark.parametrize("row", SWINGS, ids=label)
 def test_swings_about_sliding_are_those_of_the_contact_program(row: dict[str, float]) -> None:
-    """First harmonic within 10 % (asked: 35 % at amplitude 1.1, 10 % at 1.3), phase within 3 degrees, extremes 5 %.
+    """Within 10 % of the first harmonic (asked: 35 % at amplitude 1.1, 10 % at 1.3, 1.8), 3 degrees; extremes 5 %.
 
     What stays in full slip, 2 N of 18 kN, is below what either grid can tell: 0.1 % of the friction force.
     """

@@ -106,13 +106,21 @@ def test_units_of_the_deck_scale_the_shapes(tmp_path: Path) -> None:
     ("change", "message"),
     [
         (lambda lines: lines[:-3], "ends within a block of displacements; the file is cut off"),
+        (lambda lines: lines[:-1], "ends without the line 9999; the file is cut off"),
+        (
+            lambda lines: [x.replace("1PGM", "1PGM x") for x in lines],
+            r"\d+: the generalised mass must be",
+        ),
         (
             lambda lines: [x.replace("-1.27249E-02", "-1.27249Q-02") for x in lines],
             r"line \d+: must be a node and three",
         ),
         (lambda lines: [x.replace("MODAL", "     ") for x in lines], "holds no eigenmodes with displacements"),
         (lambda lines: [x[:-1] + "2" if "MODAL" in x else x for x in lines], r"line \d+: the block is binary"),
-        (lambda lines: [x.replace("1.000000E+00", "0.000000E+00") for x in lines], "mode 1: modal mass is 0"),
+        (
+            lambda lines: [x.replace("1.000000E+00", "0.000000E+00") for x in lines],
+            r"frd, line \d+: modal mass is 0",
+        ),
     ],
 )
 def test_broken_results_are_refused(change: object, message: str, tmp_path: Path) -> None:

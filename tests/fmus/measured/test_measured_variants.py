@@ -31,7 +31,7 @@ SAME = {
 """What has to be said about each file that holds the function."""
 
 REFUSED = {
-    "uff-two-nodes": r"m.uff: driving points at nodes 7, 9; choose one \(option node\)",
+    "uff-two-nodes": r"m.uff: driving points at nodes 7 \(data set 2 \(line 7\)\), 9 \(data set 3 .*; choose one",
     "uff-only-coherence": r"m.uff: holds no frequency response; holds .*data set 2 \(line 7\): coherence at 7:\+z",
     "uff-time-history": r"m.uff: holds no frequency response; holds .*data set 2 \(line 7\): time response",
     "uff-denominator": r"m.uff, data set 2 \(line 7\): the denominator is no force but m/s2",
@@ -64,7 +64,7 @@ def test_a_node_can_be_chosen(tmp_path: Path) -> None:
     path = write_variant(tmp_path, "uff-two-nodes")
     (found,) = read_measured(path, Choice(node=9))
     np.testing.assert_allclose(found.receptance, 1.01 * RECEPTANCE, rtol=1e-9)
-    with pytest.raises(ValueError, match=r"m.uff: no driving point at node 8; has 7, 9"):
+    with pytest.raises(ValueError, match=r"m.uff: no driving point at node 8; has 7 \(data set 2 \(line 7\)\), 9"):
         read_measured(path, Choice(node=8))
 
 

@@ -12,6 +12,7 @@ from fmus.packaging.native.kept import NOTHING_KEPT, keep, kept, key_of
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("CURVESQUEAL_CACHE", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     return tmp_path / "compiled"
 
 
@@ -28,11 +29,14 @@ def test_a_damaged_file_is_not_used(folder: Path, damage: object) -> None:
     assert kept("a") is None
 
 
-def test_nothing_is_kept_where_nothing_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_temporary_folder_serves_where_nothing_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "file").write_bytes(b"")
     monkeypatch.setenv("CURVESQUEAL_CACHE", str(tmp_path / "file"))
     keep("a", b"machine code")
-    assert kept("a") is None
+    assert kept("a") == b"machine code"
+    assert [path.parent.name for path in tmp_path.glob("curvesqueal*/compiled/a")] == ["compiled"]
 
 
 def test_a_build_anew_reads_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

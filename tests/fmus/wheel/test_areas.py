@@ -80,9 +80,13 @@ def test_areas_are_columns_of_a_table_and_of_modal_data(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [
-        (COLUMNS, [ROWS[0].replace("2e-3", "-2e-3")], r"w.csv, mode 1: areas are \[-0.002, 0.0003\]; must be >= 0"),
+        (COLUMNS, [ROWS[0].replace("2e-3", "-2e-3")], r"w.csv, line 2: areas are \[-0.002, 0.0003\]; must be >= 0"),
         (COLUMNS, [ROWS[0].replace("2e-3", "large")], r"w.csv, line 2: every column but label must be a number; got"),
-        (COLUMNS.rsplit(",", 1)[0], ROWS, r"w.csv: has area_axial alone; must be area_axial and area_radial, or none"),
+        (
+            COLUMNS.rsplit(",", 1)[0],
+            ROWS,
+            r"w.csv, line 1: has area_axial alone; must be area_axial and area",
+        ),
     ],
 )
 def test_bad_areas_are_refused(header: str, rows: list[str], message: str, tmp_path: Path) -> None:

@@ -179,7 +179,7 @@ def text_2414(number: int, mode: dict[str, Any]) -> str:
         ),
         ([units()], "there is no data set 55 or 2414 in it; holds data sets 164"),
         ([units(), data_55(0, modal_damp_vis=-0.01)], "mode 1: zeta = -0.01; must be finite and >= 0"),
-        ([units(), data_55(0, modal_m=0.0)], "mode 1: modal mass is 0; must be > 0"),
+        ([units(), data_55(0, modal_m=0.0)], r"data set 2 \(line 7\): modal mass is 0; must be > 0"),
         ([units(), data_55(0, spec_data_type=12)], r"data set 2 \(line 7\): data type is 12; must be 8, displacement"),
         ([units(), data_55(0, node_nums=np.array([3, 8]))], "node 7 is not in it; has 3 to 8"),
         ([units(), data_55(0, r2=np.array([9.0, 0.0]))], "direction lon is missing: no mode moves in it"),
@@ -202,14 +202,14 @@ GOOD = "a,417.1,1e-4,0.1,0.1,0.1,0.1"
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ([HEADER.replace(",ver", "")], "column 'ver' is missing; wanted are label"),
+        ([HEADER.replace(",ver", "")], "line 1: column 'ver' is missing; wanted are label"),
         ([HEADER], "there are no modes in it"),
         ([HEADER, "a,fast,1e-4,0,0.1,0,0"], "line 2: every column but label must be a number"),
         ([HEADER, GOOD, "b,500"], "line 3: every column but label must be a number"),
-        ([HEADER, GOOD.replace("1e-4", "-1e-4")], "mode 1: zeta = -0.0001; must be finite and >= 0"),
-        ([HEADER, GOOD.replace("417.1", "nan")], "mode 1: omega = nan; must be finite"),
-        ([HEADER, GOOD.replace("0.1,0.1", "inf,0.1", 1)], "mode 1: the shape is not finite"),
-        ([HEADER, GOOD, "b,100,1e-4,0,0.1,0,0"], "mode 2 has 100 Hz after 417.1 Hz; must be in rising order"),
+        ([HEADER, GOOD.replace("1e-4", "-1e-4")], "line 2: mode 1: zeta = -0.0001; must be finite and >= 0"),
+        ([HEADER, GOOD.replace("417.1", "nan")], "line 2: mode 1: omega = nan; must be finite"),
+        ([HEADER, GOOD.replace("0.1,0.1", "inf,0.1", 1)], "line 2: mode 1: the shape is not finite"),
+        ([HEADER, GOOD, "b,100,1e-4,0,0.1,0,0"], "line 3: mode 2 has 100 Hz after 417.1 Hz; must be in rising order"),
         ([HEADER, "a,417.1,1e-4,0.1,0.1,0,0.1"], "direction ver is missing: no mode moves in it"),
     ],
 )

@@ -138,6 +138,8 @@ def test_help_is_for_newcomers() -> None:
     assert done.returncode == 0
     for command in ("build", "run", "info", "friction"):
         assert command in done.stdout
+    assert "Running an FMU runs its code" in done.stdout
+    assert "protects against crashes and hangs only" in " ".join(done.stdout.split())
 
 
 def hostile_zip(path: Path, name: str) -> Path:

@@ -100,7 +100,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
         (("nowhere",), "nowhere: neither a track file nor one of bs113a, default, slab, soft-pads"),
         (("default", "--method", "best"), "method is 'best'; must be one of accurate, paper"),
         (("default", "--method", "paper", "--modes", "3"), "most_modes goes with method 'accurate'"),
-        (("default", "--out", "rail.json"), "--out rail.json: must end with .toml"),
+        (("default", "--out", "rail.json"), r"--out .*rail.json: must end with .toml"),
     ],
 )
 def test_fit_refuses_what_it_cannot_do(
@@ -188,13 +188,13 @@ def test_active_data_are_refused_with_file_and_frequency(tmp_path: Path) -> None
     [
         (("a.csv", "a.csv", "--quantity", "mobility"), "a.csv: holds ver as .*a.csv does; must be in one file"),
         (("b.csv", "--quantity", "mobility"), "b.csv: no such file"),
-        (("a.txt", "--quantity", "mobility"), "a.txt: column 'frequency_hz' is missing; has nonsense"),
+        (("a.txt", "--quantity", "mobility"), "a.txt, line 1: column 'frequency_hz' is missing; has nonsense"),
         (("a.csv",), "a.csv: does not say whether it is a receptance, mobility or accelerance"),
         (("a.csv", "--units", "mm/s"), "unit 'mm/s' is no displacement, velocity or acceleration per force"),
         (("soft.csv", "--quantity", "mobility"), "soft.csv: ver receptance reaches .* more than a rail's"),
         (("a.csv", "--quantity", "impedance"), "quantity is 'impedance'; must be one of receptance, mobility"),
         (("a.csv", "--quantity", "mobility", "--axis", "9=lat"), "axis 9=lat: must be CODE=DIRECTION"),
-        (("a.csv", "--quantity", "mobility", "--out", "rail.ssd"), "--out rail.ssd: must end with .toml or .fmu"),
+        (("a.csv", "--quantity", "mobility", "--out", "rail.ssd"), r"--out .*rail.ssd: must end with .toml or .fmu"),
         (("a.csv", "--quantity", "mobility", "--modes", "0"), "most_modes = 0; must be at least 1"),
     ],
 )

@@ -12,8 +12,8 @@ from block_systems import archive, block_fmu, component, description, inline, pa
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fmus.cache import cache_folder
 from orchestrator.archive import unpack
-from orchestrator.cache import cache_folder
 from orchestrator.errors import InputError
 from orchestrator.fmi.instance import open_fmu
 from orchestrator.system.reader import read_system

@@ -12,7 +12,7 @@ from orchestrator.cli import app
 from orchestrator.commands.pages.paper import paper
 from orchestrator.errors import InputError
 from orchestrator.paper.claims import straight_web_instabilities
-from orchestrator.paper.consistency_proof import proof
+from orchestrator.paper.consistency_proof import proof, slope
 from orchestrator.paper.drawings import draw_loop
 from orchestrator.paper.frequency_domain import receptance_peaks, save
 from orchestrator.paper.page import PAGE, Item, relative, write_page
@@ -63,6 +63,15 @@ def test_peaks_of_the_track_are_those_of_figure_3() -> None:
 def test_proof_names_the_modes_that_are_excluded(tmp_path: Path) -> None:
     item = proof(tmp_path)
     assert {row[0].split(":")[0] for row in item.rows if row[4] == "excluded"} == {"(0,0)", "(3,0)"}
+    assert all(figure.is_file() for figure in item.figures)
+
+
+def test_the_slope_that_the_table_tells_is_a_quarter_of_the_printed_one(tmp_path: Path) -> None:
+    """At s = 1 no fit comes below rms 0.15; between 0.15 and 0.3 all are below 0.035."""
+    item = slope(tmp_path)
+    rms = {float(row[0].rpartition("= ")[2]): float(row[3] or "nan") for row in item.rows if "s = " in row[0]}
+    assert rms[1.0] > 0.15
+    assert all(rms[s] < 0.035 for s in (0.15, 0.2, 0.25, 0.3))
     assert all(figure.is_file() for figure in item.figures)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from fmus.wheel.component import wheel
 from orchestrator.errors import InputError
 from orchestrator.paper.page import Item, Row
 from orchestrator.paper.time_domain import SIMILAR_DB, Facts, as_published, facts_of, items
-from orchestrator.published.cases import CASES, PAPER_HZ
+from orchestrator.published.cases import CASES, INFERRED, PAPER_HZ
 from orchestrator.results.file import open_results
 from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
@@ -144,6 +145,17 @@ def test_items_have_numbers_sentences_and_pictures(runs: Path, tmp_path: Path) -
     assert gains.sentence.startswith("Holds.")
     assert json.dumps([i.rows for i in found])
     assert all(np.isfinite(float(row[3] or 0.0)) for row in claims_rows(found))
+
+
+@pytest.mark.slow
+def test_results_of_inferred_cases_get_a_column(runs: Path, tmp_path: Path) -> None:
+    """Here they are those of the printed ones under other names, so that the columns are equal."""
+    for case, twin in zip(CASES, INFERRED, strict=True):
+        shutil.copy(runs / f"{case}.nc", tmp_path / f"{case}.nc")
+        shutil.copy(runs / f"{case}.nc", tmp_path / f"{twin}.nc")
+    for item in items(tmp_path, tmp_path / "figures"):
+        assert "Inferred: " in item.sentence
+        assert item.inferred == {row[0]: row[3] for row in item.rows}
 
 
 def claims_rows(found: list[Item]) -> list[Row]:

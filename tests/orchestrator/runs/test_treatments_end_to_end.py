@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmus.cache import cache_folder
 from fmus.interface import DIRECTIONS
 from fmus.modal.modes import Modes, receptance
 from fmus.rail.track import track_receptance
 from fmus.rail.track_data import TRACKS, read_track
-from orchestrator.cache import cache_folder
 from orchestrator.cli import command_line
 from orchestrator.results.file import open_results
 from orchestrator.sound.wheelset import block

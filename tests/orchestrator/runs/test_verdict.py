@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from orchestrator.results.samples import Samples
 from orchestrator.runs.outcome import as_json
 from orchestrator.runs.run import Report, run_scenario
 from orchestrator.runs.scenario import Scenario
+from orchestrator.runs.verdict import verdict
 
 QUIET = Report(picture=False)
 
@@ -55,3 +58,14 @@ def test_a_scheme_that_invents_instability_is_not_trusted(tmp_path: Path) -> Non
     assert answer.trust == "doubtful"
     assert any("stable modes unstable" in reason for reason in answer.reasons)
     assert "trust: doubtful" in answer.sentence
+
+
+def test_irregular_motion_has_a_verdict_and_no_tone(tmp_path: Path) -> None:
+    """Noise in place of the wheel's velocity: above the threshold of squeal, without a line spectrum."""
+    run = run_scenario(Scenario("case1", duration=0.01), tmp_path, QUIET)
+    time = np.arange(100_000) * 2e-5
+    noise = 0.1 * np.random.default_rng(0).standard_normal(time.size)
+    data = Samples({"time": time, "wheel.v_lat": noise}, {}, {})
+    answer = verdict(run.results, data, run.summary, run.progress, run.spurious)
+    assert (answer.squeals, answer.irregular, answer.tone_hz, answer.mode) == (True, True, None, None)
+    assert answer.sentence.startswith("squeals irregularly, without a tone (strongest line")

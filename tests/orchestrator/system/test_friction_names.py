@@ -25,11 +25,11 @@ BAD = {
     "creepage,friction\n0,0.3\n0.02,-0.2\n": "law.csv, line 3: friction must be above 0 and at most 2; got -0.2",
     "creepage,friction\n0,0.3\n": "law.csv: must have 2 to 50 points; has 1",
     "creepage,friction\n0,0.3\n0.02,much\n": "law.csv, line 3: must have a number in column 2; got 'much'",
-    "velocity,friction\n0,0.3\n1,0.2\n": r"law.csv: velocity has no unit; must be one such as velocity \[m/s\]",
-    "velocity [kg],friction\n0,0.3\n1,0.2\n": "law.csv: velocity: unit 'kg' is no velocity",
-    "creepage [m],friction\n0,0.3\n1,0.2\n": "law.csv: creepage is in 'm'; must be in - or %",
-    "x,friction\n0,0.3\n1,0.2\n": "law.csv: must have one column creepage or velocity; has x, friction",
-    "creepage,force [N]\n0,0.3\n1,0.2\n": "law.csv: must have one column friction; has creepage, force",
+    "velocity,friction\n0,0.3\n1,0.2\n": r"law.csv, line 1: velocity has no unit; must be one such as velocity \[m/s\]",
+    "velocity [kg],friction\n0,0.3\n1,0.2\n": "law.csv, line 1: velocity: unit 'kg' is no velocity",
+    "creepage [m],friction\n0,0.3\n1,0.2\n": "law.csv, line 1: creepage is in 'm'; must be in - or %",
+    "x,friction\n0,0.3\n1,0.2\n": "law.csv, line 1: must have one column creepage or velocity; has x, friction",
+    "creepage,force [N]\n0,0.3\n1,0.2\n": "law.csv, line 1: must have one column friction; has creepage, force",
     "": "law.csv: is empty",
 }
 

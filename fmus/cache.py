@@ -1,5 +1,7 @@
 """The folder for what is worth keeping between runs: of this user alone, without what nobody has used for long.
 
+Unpacked FMUs, kernels that Numba compiled, compiled libraries, built cases, rails and wheels, FMUs of campaigns.
+
 Libraries are loaded from it. So it is never one that somebody else can write to, and where no such folder is to be had
 (no home, a read-only one), a temporary one serves.
 """
@@ -26,7 +28,14 @@ def cache_folder(kind: str) -> Path:
     """Return the folder for things of a kind; CURVESQUEAL_CACHE names another place for all of them."""
     folder = _root(os.environ.get("CURVESQUEAL_CACHE") or str(user_cache_path("curvesqueal"))) / kind
     folder.mkdir(parents=True, exist_ok=True)
+    _prune_once(folder)
     return folder
+
+
+@cache
+def _prune_once(folder: Path) -> None:
+    """Prune a folder, once in a process."""
+    prune(folder)
 
 
 def mark_used(path: Path) -> None:
