@@ -11,14 +11,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...cases import Case
 from ...component import Component, Instance, Variable
-<<<<<<< HEAD
 from ...interface import CHANGE, STEP_SIZE, UNITS, connections, mobility_ports
-from .xml import add_experiment, add_openmodelica_step, add_units, parameter_set, tag, to_bytes
-=======
-from ...interface import STEP_SIZE, UNITS, connections, mobility_ports
 from .namespaces import tag
 from .xml import add_experiment, add_openmodelica_step, add_units, parameter_set, to_bytes
->>>>>>> main
 
 _GEOMETRY = {"wheel": ("10", "60", "40", "80"), "rail": ("10", "10", "40", "30"), "contact": ("70", "35", "100", "55")}
 
