@@ -18,7 +18,7 @@ _COLUMNS = ("name", "causality", "type", "unit", "start", "description")
 
 
 def tables(description: dict[str, Any], every: bool = False) -> Iterator[Table | Tree]:
-    """Yield what shows a description; numbered variables such as shape_lat_001 ... share a row unless every one is wanted."""
+    """Yield what shows a description; numbered ones such as shape_lat_001 share a row, unless every one is wanted."""
     head = Table(show_header=False, title=description["file"], title_justify="left")
     for key, value in description.items():
         if not isinstance(value, list) or key in ("platforms", "variants"):
