@@ -15,7 +15,7 @@ from fmus.rail.track_data import TRACKS, Track, read_track
 
 LON, LAT, VER, SPIN = range(4)
 
-NAMES = ("default", "soft-pads", "bs113a", "slab")
+NAMES = ("default", "soft-pads", "rail-dampers", "bs113a", "slab")
 
 OMEGA = 2 * np.pi * np.array([30.0, 79.0, 215.0, 700.0, 1100.0, 3000.0, 5000.0])
 
