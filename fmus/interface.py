@@ -48,6 +48,9 @@ ENERGY_ADDED = "energy_added"
 PULSE_FORCE = "pulse_force"
 """Parameter of the contact: amplitude of the lateral force pulse that starts the vibration."""
 
+CHANGE = "_change"
+"""Inputs that end with this are added to the parameter of the name before it; 0 leaves the parameter as it is."""
+
 PAIRS = tuple(combinations_with_replacement(DIRECTIONS, 2))
 """The upper triangle of a symmetric 4 x 4 matrix, row by row, as pairs of directions."""
 
@@ -172,6 +175,24 @@ def contact_inputs() -> tuple[Port, ...]:
         for d in DISPLACEMENT_DIRECTIONS
     )
     return velocities + displacements
+
+
+OPERATING_POINT = (
+    Port("steady_creepage_lon", "1", "steady longitudinal creepage gamma1", 1e-2),
+    Port("steady_creepage_lat", "1", "steady lateral creepage gamma2", 1e-2),
+    Port("steady_creepage_spin", "rad/m", "steady spin creepage gamma6", 1e-1),
+    Port("normal_load", "N", "steady normal force", 6e4),
+    Port("mu0", "1", "friction coefficient without sliding", 0.3),
+)
+"""The steady state of the contact: parameters that inputs add to."""
+
+
+def operating_point_inputs() -> tuple[Port, ...]:
+    """Return the inputs that move the contact's steady state: of the contact, and of the system as one FMU."""
+    return tuple(
+        Port(p.name + CHANGE, p.unit, f"{p.description}: change over time, added to the parameter", p.nominal)
+        for p in OPERATING_POINT
+    )
 
 
 def contact_outputs() -> tuple[Port, ...]:

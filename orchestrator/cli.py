@@ -6,6 +6,7 @@ Loading a command late is what keeps `--help` and completion fast: numba, fmpy a
 from __future__ import annotations
 
 import os
+import re
 import sys
 import traceback
 import warnings
@@ -188,16 +189,29 @@ def command_line() -> int:
         if end.code == 1 and broken(sys.stdout):
             return BROKEN
         return end.code if isinstance(end.code, int) else int(end.code is not None)
-    except (InputError, SimulationError) as error:
-        return _failed(f"curvesqueal: {error}", 1)
-    except OSError as error:  # the system's: a full disk, a name that is too long, a folder that may not be read
-        place = "standard output" if error.filename is None else os.fsdecode(error.filename)
-        return _failed(f"curvesqueal: {place}: {error.strerror or error}", 1)
+    except (InputError, SimulationError, OSError, UnicodeEncodeError) as error:
+        return _failed(f"curvesqueal: {_refusal(error)}", 1) if _refusal(error) else _fault(error)
     except Exception as error:  # whatever else comes up to here is no mistake of the user's
-        traceback.print_exc()
-        said = f"{type(error).__name__}: {error}"
-        return _failed(f"curvesqueal: a fault of the program itself, not of your input: {said}", FAULT)
+        return _fault(error)
     return 0
+
+
+def _refusal(error: Exception) -> str:
+    """Return the sentence of an error that is not this program's own; nothing for one that is."""
+    if isinstance(error, OSError):  # a full disk, a name that is too long, a folder that may not be read
+        place = "standard output" if error.filename is None else os.fsdecode(error.filename)
+        return f"{place}: {error.strerror or error}"
+    if isinstance(error, UnicodeEncodeError):
+        odd = re.search("[\ud800-\udfff]", error.object) is not None
+        return f"{error.object}: is not UTF-8, as names of files must be" if odd else ""
+    return str(error)
+
+
+def _fault(error: Exception) -> int:
+    """Say that this program is at fault, and where."""
+    traceback.print_exception(error)
+    said = f"{type(error).__name__}: {error}"
+    return _failed(f"curvesqueal: a fault of the program itself, not of your input: {said}", FAULT)
 
 
 _python_warning = warnings.showwarning

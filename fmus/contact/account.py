@@ -21,9 +21,9 @@ from .parameters import P
 @kernel
 def _potential(parameters, derived, deflection):  # type: ignore[no-untyped-def]
     """Return the energy [J] of the fluctuation of the normal force at a fluctuation of the deflection."""
-    load = parameters[P.normal_load]
+    load = derived[D.load]
     if parameters[P.linear_spring] != 0.0:
-        stiffness = parameters[P.hertz_stiffness]
+        stiffness = derived[D.stiffness]
         pressed = max(deflection, -load / stiffness)
         return 0.5 * stiffness * pressed * pressed + load * (pressed - deflection)
     compression = max(0.0, 1.0 + deflection / derived[D.approach])

@@ -1,7 +1,6 @@
 """Creep forces that agree with the velocities they cause: a Newton iteration in three unknowns. Kernels."""
 
 from ..compile import kernel
-from .friction.coefficient import static_friction
 from .law import law
 from .layout import D, S
 from .memory import change_to, creep_forces_now
@@ -38,7 +37,7 @@ def renew_newton_matrix(parameters, derived, state, v, g, load):  # type: ignore
 @kernel
 def renew_with_memory(parameters, derived, state, v, g, load, change):  # type: ignore[no-untyped-def]
     """Put the inverse of minus the slope of the residual into the state, by forward differences in the forces."""
-    delta = 1e-6 * (static_friction(parameters, derived) * parameters[P.normal_load] + 1.0)
+    delta = 1e-6 * (derived[D.mu0] * derived[D.load] + 1.0)
     y = D.mobility
     s = S.newton
     for j in range(3):
@@ -85,10 +84,10 @@ def _with_forces(derived, state, v, x, f_normal):  # type: ignore[no-untyped-def
 def _residual(parameters, derived, state, v, x, f_normal, pulse):  # type: ignore[no-untyped-def]
     """Return g - x, scaled size of it, the velocities that the forces `x` cause, and the law's forces there."""
     w = _with_forces(derived, state, v, x, f_normal)
-    load = f_normal + parameters[P.normal_load]
+    load = f_normal + derived[D.load]
     g = creep_forces_now(parameters, derived, state, w, load, change_to(derived, state, x, pulse), False)
     r = (g[0] - derived[D.f_lon] - x[0], g[1] - derived[D.f_lat] + pulse - x[1], g[2] - derived[D.f_spin] - x[2])
-    scale = static_friction(parameters, derived) * parameters[P.normal_load] + 1e-30
+    scale = derived[D.mu0] * derived[D.load] + 1e-30
     size = max(abs(r[0]), abs(r[1]), abs(r[2]) / derived[D.spin_arm]) / scale
     return r, size, w, g
 
@@ -120,7 +119,7 @@ def solve_creep_forces(parameters, derived, state, v, f_normal, pulse):  # type:
     step with the matrix of the place goes downhill. The kept matrix is used while it brings the residual down by two
     thirds; then it is renewed; then the step is halved until the residual falls.
     """
-    load = f_normal + parameters[P.normal_load]
+    load = f_normal + derived[D.load]
     memory = parameters[P.creep_law] == WITH_MEMORY
     tolerance = TOLERANCE_WITH_MEMORY if memory else TOLERANCE
     x = (state[S.f_lon] + state[S.d_lon], state[S.f_lat] + state[S.d_lat], state[S.f_spin] + state[S.d_spin])

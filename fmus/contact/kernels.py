@@ -25,9 +25,10 @@ from .account import keep_account
 from .derivatives import differentiate
 from .friction.coefficient import prepare_friction
 from .implicit import renew_newton_matrix, solve_creep_forces
-from .law import law, normal_force
+from .law import normal_force
 from .layout import OUT, STATE_SIZE, D, S
 from .memory import keep_forces, keep_tractions
+from .operating_point import follow_operating_point, put_operating_point
 from .parameters import P
 from .ports import put_forces, put_monitors, relative_motion
 from .prediction import look_ahead
@@ -56,7 +57,7 @@ def _apply(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-u
     keep_account(parameters, derived, state, v, v_integrated, u_normal, h)
     ahead, deflection = look_ahead(parameters, derived, state, v, v_normal, v_integrated, u_normal, h)
     load = normal_force(parameters, derived, deflection)
-    f_normal = load - parameters[P.normal_load]
+    f_normal = load - derived[D.load]
     pulse = mean_pulse(parameters, state[S.elapsed] - h, state[S.elapsed])
     x, w, evaluations = solve_creep_forces(parameters, derived, state, ahead, f_normal, pulse)
     for i in range(3):
@@ -125,9 +126,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     derived[D.cos] = math.cos(parameters[P.contact_angle])
     derived[D.sin] = math.sin(parameters[P.contact_angle])
     prepare_friction(parameters, derived)
-    derived[D.approach] = 1.5 * parameters[P.normal_load] / parameters[P.hertz_stiffness]
-    load = parameters[P.normal_load]
-    derived[D.f_lon], derived[D.f_lat], derived[D.f_spin] = law(parameters, derived, 0.0, 0.0, 0.0, load)
+    put_operating_point(parameters, derived, inputs)
     for i in range(16):
         derived[D.mobility + i] = 0.0
     for i in range(STATE_SIZE):
@@ -145,13 +144,14 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     turn_mobility(parameters, derived)
     rest = (0.0, 0.0, 0.0)
     steady = (derived[D.f_lon], derived[D.f_lat], derived[D.f_spin])
-    renew_newton_matrix(parameters, derived, state, rest, steady, load)
+    renew_newton_matrix(parameters, derived, state, rest, steady, derived[D.load])
 
 
 @kernel
 def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-untyped-def]
     """Advance to the end of the step, where the inputs are given, and put out the forces for the next one."""
     state[S.elapsed] += h
-    keep_tractions(parameters, derived, state)
+    keep_tractions(parameters, derived, state)  # as it was in the last step, at the steady state of then
+    follow_operating_point(parameters, derived, inputs)
     state[S.step] = h
     _apply(parameters, derived, state, inputs, outputs, h)

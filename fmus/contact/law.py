@@ -5,7 +5,7 @@ import math
 from ..compile import kernel
 from ..creep.blended import blended
 from ..creep.fastsim import fastsim
-from .friction.coefficient import friction_factor, static_friction
+from .friction.coefficient import friction_factor
 from .layout import SCRATCH, D
 from .parameters import BLENDED, P
 
@@ -13,9 +13,9 @@ from .parameters import BLENDED, P
 @kernel
 def normal_force(parameters, derived, deflection):  # type: ignore[no-untyped-def]
     """Return the total normal force [N] at a fluctuation of the deflection [m] (compression positive)."""
-    load = parameters[P.normal_load]
+    load = derived[D.load]
     if parameters[P.linear_spring] != 0.0:
-        return max(0.0, load + parameters[P.hertz_stiffness] * deflection)
+        return max(0.0, load + derived[D.stiffness] * deflection)
     compression = 1.0 + deflection / derived[D.approach]
     if compression <= 0.0:
         return 0.0
@@ -25,7 +25,7 @@ def normal_force(parameters, derived, deflection):  # type: ignore[no-untyped-de
 @kernel
 def normal_stiffness(parameters, derived, deflection):  # type: ignore[no-untyped-def]
     """Return the slope of `normal_force` [N/m]; 0 where contact is lost."""
-    stiffness = parameters[P.hertz_stiffness]
+    stiffness = derived[D.stiffness]
     if normal_force(parameters, derived, deflection) <= 0.0:
         return 0.0
     if parameters[P.linear_spring] != 0.0:
@@ -40,7 +40,7 @@ def creep_forces(parameters, derived, creep_lon, creep_lat, creep_spin, load):  
     `derived` lends scratch space, which is zero again afterwards.
     """
     tau = friction_factor(parameters, derived, math.sqrt(creep_lon * creep_lon + creep_lat * creep_lat))
-    friction = static_friction(parameters, derived) * load
+    friction = derived[D.mu0] * load
     a, b = parameters[P.semi_axis_lon], parameters[P.semi_axis_lat]
     cells, strips = int(parameters[P.grid_cells]), int(parameters[P.grid_strips])
     L1, L2, L3 = derived[D.L1], derived[D.L2], derived[D.L3]
@@ -64,8 +64,8 @@ def law(parameters, derived, v_lon, v_lat, v_spin, load):  # type: ignore[no-unt
     return creep_forces(
         parameters,
         derived,
-        parameters[P.steady_creepage_lon] + v_lon * inverse,
-        parameters[P.steady_creepage_lat] + v_lat * inverse,
-        parameters[P.steady_creepage_spin] + v_spin * inverse,
+        derived[D.steady_lon] + v_lon * inverse,
+        derived[D.steady_lat] + v_lat * inverse,
+        derived[D.steady_spin] + v_spin * inverse,
         load,
     )

@@ -2,11 +2,11 @@
 
 from ..compile import positions
 from ..creep.strips import SCRATCH_SIZE
-from ..interface import contact_inputs, contact_outputs
+from ..interface import contact_inputs, contact_outputs, operating_point_inputs
 from .friction_parameters import TABLE_POINTS
 from .parameters import MEMORY_ROOM
 
-IN = positions("IN", (port.name for port in contact_inputs()))
+IN = positions("IN", (port.name for port in (*contact_inputs(), *operating_point_inputs())))
 OUT = positions("OUT", (port.name for port in contact_outputs()))
 """Layout of inputs and outputs."""
 
@@ -37,7 +37,9 @@ D = positions(
     "D",
     (
         *("f_lon", "f_lat", "f_spin"),  # steady creep forces
-        *("approach", "cos", "sin", "spin_arm"),  # steady approach, geometry
+        *("steady_lon", "steady_lat", "steady_spin", "load", "mu0"),  # the steady state that they belong to
+        *("velocity", "falling_ratio", "saturation"),  # and the other parameters that may change during the run
+        *("approach", "stiffness", "cos", "sin", "spin_arm"),  # steady approach and its stiffness, geometry
         *("L1", "L2", "L3", "L4", "volume", "elliptic_volume", "parabolic_volume"),  # of the creep law
         *("series_lon", "series_lat"),  # compliances that all strips share, with memory
         "mobility",  # contact axes (4 x 4)

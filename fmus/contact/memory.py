@@ -11,7 +11,7 @@ import math
 
 from ..compile import kernel
 from ..creep.memory import carry
-from .friction.coefficient import friction_factor, static_friction
+from .friction.coefficient import friction_factor
 from .law import law
 from .layout import SCRATCH, D, S
 from .parameters import MEMORY_ROOM, WITH_MEMORY, P
@@ -41,9 +41,9 @@ def creep_forces_now(parameters, derived, state, v, load, change, keep):  # type
         return math.nan, math.nan, math.nan
     h = state[S.step]
     velocity = parameters[P.rolling_velocity]
-    lon = parameters[P.steady_creepage_lon] + v[0] / velocity
-    lat = parameters[P.steady_creepage_lat] + v[1] / velocity
-    spin = parameters[P.steady_creepage_spin] + v[2] / velocity
+    lon = derived[D.steady_lon] + v[0] / velocity
+    lat = derived[D.steady_lat] + v[1] / velocity
+    spin = derived[D.steady_spin] + v[2] / velocity
     tau = friction_factor(parameters, derived, math.sqrt(lon * lon + lat * lat))
     way = FOREVER
     if h > 0.0:
@@ -56,7 +56,7 @@ def creep_forces_now(parameters, derived, state, v, load, change, keep):  # type
         tau * lon / derived[D.L1],
         tau * lat / derived[D.L2],
         tau * spin / derived[D.L3],
-        tau * static_friction(parameters, derived) * load / derived[D.volume],
+        tau * derived[D.mu0] * load / derived[D.volume],
         parameters[P.semi_axis_lon], parameters[P.semi_axis_lat],
         int(parameters[P.grid_cells]), int(parameters[P.grid_strips]),
         way, state, S.tractions, keep, derived, SCRATCH,
@@ -89,5 +89,5 @@ def keep_tractions(parameters, derived, state):  # type: ignore[no-untyped-def]
     """Let the particles travel as the last evaluation found that they do."""
     if parameters[P.creep_law] == WITH_MEMORY:
         w = (state[S.w_lon], state[S.w_lat], state[S.w_spin])
-        load = state[S.f_normal] + parameters[P.normal_load]
+        load = state[S.f_normal] + derived[D.load]
         creep_forces_now(parameters, derived, state, w, load, last_change(state), True)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from ..compile import positions
 from ..component import Variable
-from ..interface import mobility_ports
-from .friction_parameters import FRICTION_PARAMETERS
+from ..errors import DataError
+from ..interface import CHANGE, OPERATING_POINT, mobility_ports
+from .friction_parameters import FRICTION_PARAMETERS, TABLE_OF_CREEPAGE
 
 MAX_GRID = 200
 
@@ -86,5 +88,30 @@ PARAMETERS = (
     *FRICTION_PARAMETERS,
 )  # fmt: skip
 
+_STEADY_STATE = tuple(next(v for v in PARAMETERS if v.name == port.name) for port in OPERATING_POINT)
+LOWEST = tuple(v.minimum for v in _STEADY_STATE)
+HIGHEST = tuple(v.maximum for v in _STEADY_STATE)
+"""Range of each number of the steady state, parameter and input together."""
+
 P = positions("P", (p.name for p in PARAMETERS))
 """Position of each parameter in the parameter array."""
+
+
+def with_changes(values: Mapping[str, float]) -> dict[str, float]:
+    """Return parameters of the contact with what inputs add to them, which stands beside them under its own names.
+
+    Raises
+    ------
+    DataError
+        If a friction table is moved: no parameter has the friction without sliding.
+    """
+    result = dict(values)
+    changes = {port.name: result.pop(port.name + CHANGE, 0.0) for port in OPERATING_POINT}
+    if changes["mu0"] != 0.0 and result["friction_law"] >= TABLE_OF_CREEPAGE:
+        raise DataError(f"mu0{CHANGE} = {changes['mu0']:g} moves a friction table; change the table instead")
+    if changes["normal_load"] != 0.0:  # the elastic constant of the Hertzian contact stays
+        result["hertz_stiffness"] *= (1.0 + changes["normal_load"] / result["normal_load"]) ** (1.0 / 3.0)
+    for name, change in changes.items():
+        if change != 0.0:
+            result[name] += change
+    return result

@@ -57,9 +57,9 @@ def put_forces(derived, target, x, f_normal):  # type: ignore[no-untyped-def]
 def put_monitors(parameters, derived, outputs, v, x, load, deflection):  # type: ignore[no-untyped-def]
     """Put totals and monitors into the outputs, of velocities `v`, creep-force fluctuations `x` and the total load."""
     velocity = parameters[P.rolling_velocity]
-    creep_lon = parameters[P.steady_creepage_lon] + v[0] / velocity
-    creep_lat = parameters[P.steady_creepage_lat] + v[1] / velocity
-    creep_spin = parameters[P.steady_creepage_spin] + v[2] / velocity
+    creep_lon = derived[D.steady_lon] + v[0] / velocity
+    creep_lat = derived[D.steady_lat] + v[1] / velocity
+    creep_spin = derived[D.steady_spin] + v[2] / velocity
     total_lon = derived[D.f_lon] + x[0]
     total_lat = derived[D.f_lat] + x[1]
     moment = derived[D.f_spin] + x[2]

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..component import Component, Variable
-from ..interface import DEFAULT_STEP, MODAL_VELOCITY, contact_inputs
+from ..interface import CHANGE, DEFAULT_STEP, MODAL_VELOCITY, contact_inputs
 from ..modal.layout import N_STATES, n_parameters
 from .layout import (
     HANDED_DOWN,
-    INPUTS,
     N_CONTACT_DERIVED,
     N_CONTACT_INPUTS,
     N_CONTACT_OUTPUTS,
@@ -32,7 +31,8 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
 
     Notes
     -----
-    Inputs are the steady creepages, the steady normal load and the friction coefficient, which may change over time.
+    Inputs are changes of the steady creepages, the steady normal load and the friction coefficient, added to the
+    parameters.
     Outputs are the motion at the contact point, the forces and the contact's monitors. Parameters of wheel and rail
     have their names with "wheel_" and "rail_" in front.
     """
@@ -47,13 +47,7 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
             start=DEFAULT_STEP, minimum=1e-9, maximum=1e-2, nominal=DEFAULT_STEP,
         ),
     )  # fmt: skip
-    inputs = tuple(
-        Variable(
-            p.name, "input", p.unit, p.description + ", may change over time", start=p.start,
-            minimum=p.minimum, maximum=p.maximum, nominal=p.nominal,
-        )
-        for p in (declared[n] for n in INPUTS)
-    )  # fmt: skip
+    changes = tuple(v for v in contact.of("input") if v.name.endswith(CHANGE))
     ports = {p.name: p for p in contact_inputs()}
     measured = [
         Variable(name, "output", port.unit, port.description, nominal=port.nominal) for name, port in ports.items()
@@ -76,7 +70,7 @@ def system(name: str, wheel: Component, rail: Component, contact: Component, val
     return Component(
         name=name,
         description="Railway wheel, rail and contact, coupled without inventing squeal",
-        variables=(*inputs, *outputs, *parameters, *velocities),
+        variables=(*changes, *outputs, *parameters, *velocities),
         derived_size=sum(c.derived_size + n_parameters(sizes[s]) for s, c in structures.items())
         + N_CONTACT_PARAMETERS
         + N_CONTACT_DERIVED,

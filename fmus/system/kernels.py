@@ -10,7 +10,6 @@ from ..compile import kernel
 from ..contact.kernels import do_step as contact_step
 from ..contact.kernels import initialise as contact_initialise
 from ..contact.kernels import turn_mobility
-from ..contact.operating_point import move_operating_point
 from ..modal.kernels import do_step as structure_step
 from ..modal.kernels import initialise as structure_initialise
 from ..modal.kernels import tabulate
@@ -20,13 +19,14 @@ from .layout import (
     CONTACT_OUT_TO_WHEEL,
     FIRST_HANDED_DOWN,
     HANDED_DOWN_TO,
-    INPUT_TO,
     MOBILITY,
+    N_CHANGES,
     N_CONTACT_DERIVED,
     N_CONTACT_INPUTS,
     N_CONTACT_OUTPUTS,
     N_CONTACT_PARAMETERS,
     N_CONTACT_STATE,
+    N_MOTIONS,
     N_STRUCTURE_INPUTS,
     N_STRUCTURE_OUTPUTS,
     RAIL_IN,
@@ -37,7 +37,6 @@ from .layout import (
     WHEEL_IN,
     WHEEL_OUT,
     WHEEL_TO_CONTACT,
-    I,
     P,
 )
 
@@ -145,8 +144,8 @@ def _micro_steps(parameters, wheel, rail, contact, h):  # type: ignore[no-untype
 @kernel
 def _put_out(contact, outputs):  # type: ignore[no-untyped-def]
     """Put out what the contact sees and what it tells."""
-    copy(contact[3], outputs, 0, 0, N_CONTACT_INPUTS)
-    copy(contact[4], outputs, 0, N_CONTACT_INPUTS, N_CONTACT_OUTPUTS)
+    copy(contact[3], outputs, 0, 0, N_MOTIONS)
+    copy(contact[4], outputs, 0, N_MOTIONS, N_CONTACT_OUTPUTS)
 
 
 @kernel
@@ -162,8 +161,7 @@ def initialise(parameters, derived, state, inputs, outputs):  # type: ignore[no-
     rail[0][n_rail] = parameters[P.micro_step]
     for k in range(len(HANDED_DOWN_TO)):
         contact[0][HANDED_DOWN_TO[k]] = parameters[FIRST_HANDED_DOWN + k]
-    for k in range(len(INPUT_TO)):
-        contact[0][INPUT_TO[k]] = inputs[k]
+    copy(inputs, contact[3], 0, N_MOTIONS, N_CHANGES)
     structure_initialise(wheel[0], wheel[1], wheel[2], wheel[3], wheel[4])
     structure_initialise(rail[0], rail[1], rail[2], rail[3], rail[4])
     _add_mobilities(wheel, rail, contact)
@@ -179,8 +177,7 @@ def do_step(parameters, derived, state, inputs, outputs, h):  # type: ignore[no-
     wheel, rail, contact = _parts(parameters, derived, state)
     wire(parameters, TUNED_FROM, contact[0], TUNED_TO)
     if h <= MOST_STEPS * parameters[P.micro_step]:
-        creepages = (inputs[I.steady_creepage_lon], inputs[I.steady_creepage_lat], inputs[I.steady_creepage_spin])
-        move_operating_point(contact[0], contact[1], creepages, inputs[I.normal_load], inputs[I.mu0])
+        copy(inputs, contact[3], 0, N_MOTIONS, N_CHANGES)
         count, size = _micro_steps(parameters, wheel, rail, contact, h)
         for _ in range(count):
             couple(wheel, rail, contact, size)

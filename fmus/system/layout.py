@@ -7,22 +7,23 @@ from ..contact.layout import DERIVED_SIZE as CONTACT_DERIVED
 from ..contact.layout import IN, OUT
 from ..contact.layout import STATE_SIZE as CONTACT_STATE
 from ..contact.parameters import PARAMETERS as CONTACT_PARAMETERS
-from ..interface import connections, contact_inputs, contact_outputs, structure_inputs, structure_outputs
-
-INPUTS = ("steady_creepage_lon", "steady_creepage_lat", "steady_creepage_spin", "normal_load", "mu0")
-"""Parameters of the contact that are inputs of the system: they may change over time."""
+from ..interface import (
+    connections,
+    contact_inputs,
+    contact_outputs,
+    operating_point_inputs,
+    structure_inputs,
+    structure_outputs,
+)
 
 OWN = ("wheel_modes", "rail_modes", "micro_step")
 """Parameters of the system itself; the first two are sizes and fixed."""
 
-HANDED_DOWN = tuple(p for p in CONTACT_PARAMETERS if p.name not in INPUTS and not p.name.startswith("mobility_"))
+HANDED_DOWN = tuple(p for p in CONTACT_PARAMETERS if not p.name.startswith("mobility_"))
 """Parameters of the contact that are parameters of the system; it works out the mobilities itself."""
 
 P = positions("P", (*OWN, *(p.name for p in HANDED_DOWN)))
 """Layout of the first parameters; those of the wheel's modes and of the rail's modes follow."""
-
-I = positions("I", INPUTS)  # noqa: E741 - the letter for inputs
-"""Layout of the inputs."""
 
 _contact_names = [p.name for p in CONTACT_PARAMETERS]
 FIRST_HANDED_DOWN = len(OWN)
@@ -33,13 +34,14 @@ TUNED_FROM = tuple(FIRST_HANDED_DOWN + i for i, p in enumerate(HANDED_DOWN) if p
 TUNED_TO = tuple(_contact_names.index(p.name) for p in HANDED_DOWN if p.tunable)
 """The same of those that may change during the run, and where they are."""
 
-INPUT_TO = tuple(_contact_names.index(name) for name in INPUTS)
 MOBILITY = _contact_names.index("mobility_lon_lon")
 
 N_CONTACT_PARAMETERS = len(CONTACT_PARAMETERS)
 N_CONTACT_DERIVED = CONTACT_DERIVED
 N_CONTACT_STATE = CONTACT_STATE
-N_CONTACT_INPUTS = len(contact_inputs())
+N_MOTIONS = len(contact_inputs())
+N_CHANGES = len(operating_point_inputs())
+N_CONTACT_INPUTS = N_MOTIONS + N_CHANGES
 N_CONTACT_OUTPUTS = len(contact_outputs())
 N_STRUCTURE_INPUTS = len(structure_inputs())
 N_STRUCTURE_OUTPUTS = len(structure_outputs())

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, PAIRS
+from fmus.interface import CHANGE, DIRECTIONS, DISPLACEMENT_DIRECTIONS, PAIRS
 
 from ..errors import InputError
 from ..fmi.instance import Fmu, Value, open_fmu
@@ -264,7 +264,8 @@ def _held_inputs(
     for link in links:
         fed[link.wire.end_element].add(fmus[link.wire.end_element].variables[link.wire.end_connector].place)
     for name, fmu in fmus.items():
-        reached = fed[name] | {fmu.variables[v].place for v in parameters[name]}
+        neutral = {v for v in fmu.names("input") if v.endswith(CHANGE) and v.removesuffix(CHANGE) in fmu.variables}
+        reached = fed[name] | {fmu.variables[v].place for v in (*neutral, *parameters[name])}
         for variable in fmu.names("input"):
             if fmu.variables[variable].place not in reached:
                 start = fmu.variables[variable].start

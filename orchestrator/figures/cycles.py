@@ -42,7 +42,8 @@ def _draw_growth(axes: Axes, found: Catalogue) -> None:
     top = max([10.0, *(float(t.sigma.max()) for t in curves)])
     axes.set(xlabel="Amplitude of the first harmonic [m/s]", ylabel="Growth rate at that amplitude [1/s]")
     axes.set(ylim=(-0.6 * top, 1.1 * top), xlim=(0, 1.4 * max(c.amplitude for c in found.cycles)))
-    axes.set_title("zeros are cycles: filled, stable; open, unstable", fontsize="medium")
+    asked = all(c.stability is not None for c in found.cycles)
+    axes.set_title(f"zeros are cycles{': filled, stable; open, unstable' if asked else ''}", fontsize="medium")
     axes.legend(title="pole", fontsize=7, title_fontsize=8, loc="upper right")
 
 
@@ -64,7 +65,9 @@ def _draw_levels(axes: Axes, found: Catalogue) -> None:
     axes.xaxis.set_major_formatter("{x:.0f}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_ylabel("Level at 7.5 m [dB(A)]" if known else "Lateral velocity of the wheel, rms [m/s]")
-    axes.set_title("solid, stable; dashed, breaks up", fontsize="medium")
+    asked = all(c.stability is not None for c in found.cycles)
+    words = "solid, stable; dashed, breaks up" if asked else "whether they last was not looked at"
+    axes.set_title(words, fontsize="medium")
 
 
 def draw_cycle(cycle: Cycle, title: str) -> Figure:
@@ -150,7 +153,12 @@ def draw_branches(branches: list[Branch], title: str) -> Figure:
                     mark.value, mark.amplitude, MARKS[mark.kind], color="black", markerfacecolor="white", markersize=6,
                     label=label, clip_on=False,
                 )  # fmt: skip
-        axes.set(xlabel=branches[0].parameter, ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None))
-        axes.set_title(f"{visible(title)}: solid, lasts; dashed, does not", fontsize="medium")
+        unit = "-" if branches[0].unit == "1" else branches[0].unit
+        axes.set(
+            xlabel=f"{branches[0].parameter} [{unit}]", ylabel="Amplitude of the first harmonic [m/s]", ylim=(0, None)
+        )
+        asked = not np.isnan(np.concatenate([b.exponent for b in branches])).any()
+        how = "solid, lasts; dashed, does not" if asked else "whether it lasts was not looked at"
+        axes.set_title(f"{visible(title)}: {how}", fontsize="medium")
         axes.legend(fontsize=8)
         return plain_ticks(figure)

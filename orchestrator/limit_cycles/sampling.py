@@ -8,7 +8,6 @@ import numpy as np
 from fmus.compile import kernel
 from fmus.contact.law import law, normal_force
 from fmus.contact.layout import D
-from fmus.contact.parameters import P
 from fmus.contact.ports import put_monitors
 
 VELOCITY_STEP = 1e-6
@@ -55,7 +54,7 @@ def sample_law(parameters, derived, active, motion, forces, slopes):  # type: ig
             f = (
                 lon - derived[D.f_lon],
                 lat - derived[D.f_lat],
-                load - parameters[P.normal_load],
+                load - derived[D.load],
                 spin - derived[D.f_spin],
             )
             for a in range(d):
@@ -76,7 +75,7 @@ def sample_monitors(parameters, derived, motion, forces, monitors):  # type: ign
     for j in range(motion.shape[0]):
         v = (motion[j, 0], motion[j, 1], motion[j, 3])
         x = (forces[j, 0], forces[j, 1], forces[j, 3])
-        load = forces[j, 2] + parameters[P.normal_load]
+        load = forces[j, 2] + derived[D.load]
         put_monitors(parameters, derived, monitors[j], v, x, load, -motion[j, 2])
 
 

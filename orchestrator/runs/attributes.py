@@ -6,6 +6,8 @@ import json
 from collections.abc import Mapping
 from uuid import uuid4
 
+from fmus.interface import CHANGE
+
 from ..coupling.assembly import Assembly
 from ..coupling.master import Master, Settings
 from ..fmi.file import Fmu
@@ -29,7 +31,8 @@ def all_parameters(
     values: dict[str, dict[str, float | str | None]] = {}
     for name, fmu in fmus.items():
         own = values[name] = {}
-        for variable in fmu.names("parameter"):
+        moved = (v for v in changed.get(name, {}) if v.endswith(CHANGE))  # inputs that are added to a parameter
+        for variable in (*fmu.names("parameter"), *moved):
             value = changed.get(name, {}).get(variable, fmu.variables[variable].start)
             own[variable] = None if value is None else plain(value, fmu.variables[variable].type)
     return values

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -184,5 +183,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
             Path(head["results"]),
             int(head["rows"]),
         )
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except InputError:
+        raise
+    except Exception as error:  # a damaged archive makes zipfile and numpy raise whatever they like
         raise InputError(f"{path}: is not a checkpoint of curvesqueal: {error}") from None

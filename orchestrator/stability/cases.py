@@ -129,8 +129,8 @@ def find_case(text: str) -> Case | None:
         If it is neither.
     """
     cases = {case.name: case for case in read_cases()}
-    if text not in cases and Path(text).suffix not in {".ssp", ".ssd"}:
-        raise InputError(f"{text}: neither a case ({', '.join(cases)}) nor an .ssp or .ssd file")
+    if text not in cases and Path(text).suffix not in {".ssp", ".ssd", ".fmu"}:
+        raise InputError(f"{text}: neither a case ({', '.join(cases)}) nor an .ssp, .ssd or .fmu file")
     return cases.get(text)
 
 

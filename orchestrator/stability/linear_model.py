@@ -7,7 +7,7 @@ hand; it is never taken for rigid.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fmus.contact.linearised import STEP, LinearContact
-from fmus.contact.parameters import PARAMETERS
+from fmus.contact.parameters import PARAMETERS, with_changes
 from fmus.errors import DataError
 from fmus.interface import DIRECTIONS, DISPLACEMENT_DIRECTIONS, STRUCTURES, connections
 from fmus.modal.modes import Modes, mobility
@@ -111,8 +111,8 @@ def model_of_assembly(assembly: Assembly, step: float, remember: Remember = lamb
     """
     names, plain = _places(assembly)
     known = {p.name for p in PARAMETERS}
-    numbers = as_declared(_numbers(assembly, names["contact"]))
-    law = {name: value for name, value in numbers.items() if name in known}
+    law = _with_changes(as_declared(_numbers(assembly, names["contact"], ("parameter", "input"))))
+    law = {name: value for name, value in law.items() if name in known}
     missing = sorted(known - law.keys())
     if missing:
         raise InputError(f"{names['contact']} has no parameter {missing[0]}, so its law is not known")
@@ -159,10 +159,19 @@ def model_of(data: xr.Dataset) -> LinearModel:
         if modes is None:
             raise InputError(f"the results tell no modes of the {name}, so the poles of the system are not known")
         structures.append(modes)
-    law = {k: v for k, v in as_declared(values.get("contact") or {}).items() if not k.startswith("mobility_")}
+    law = _with_changes(as_declared(values.get("contact") or {}))
+    law = {k: v for k, v in law.items() if not k.startswith("mobility_")}
     if not law or any(not isinstance(value, float) for value in law.values()):
         raise InputError("the results tell no parameters of the contact, so the poles of the system are not known")
     return LinearModel(structures[0], structures[1], linear_contact(law), _integrated(law))
+
+
+def _with_changes(law: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters of the contact with what its inputs add to them."""
+    try:
+        return with_changes(law)
+    except DataError as error:
+        raise InputError(f"contact: {error}, so its linear behaviour is not known") from None
 
 
 def _integrated(law: Mapping[str, float]) -> tuple[str, ...]:
@@ -225,11 +234,11 @@ def _places(assembly: Assembly) -> tuple[dict[str, str], set[str]]:
     return found, plain
 
 
-def _numbers(assembly: Assembly, name: str) -> dict[str, float]:
+def _numbers(assembly: Assembly, name: str, causalities: Sequence[str] = ("parameter",)) -> dict[str, float]:
     """Return the numeric parameters of a component: what is set, else the start values."""
     fmu = assembly.fmus[name]
     values: dict[str, float] = {}
-    for parameter in fmu.names("parameter"):
+    for parameter in (n for c in causalities for n in fmu.names(c)):
         variable = fmu.variables[parameter]
         if variable.type == "String":
             continue

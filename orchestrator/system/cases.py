@@ -15,19 +15,33 @@ from fmus.packaging.build import SSP_NAME, build
 from fmus.packaging.target import default_target
 
 from ..errors import InputError
-from .model import System
+from ..fmi.instance import open_fmu
+from .model import Element, System
 from .reader import read_system
 
 
 def find_system(text: str) -> System:
     """Return the system of a case name or a file."""
     path = Path(text)
+    if path.suffix == ".fmu":
+        return _alone(path)
     if path.suffix in (".ssp", ".ssd") or ".ssp#" in path.name:
         return read_system(path)
     names = [case.name for case in read_cases()]
     if text not in names:
-        raise InputError(f"{text}: neither a case ({', '.join(names)}) nor an .ssp or .ssd file")
+        raise InputError(f"{text}: neither a case ({', '.join(names)}) nor an .ssp, .ssd or .fmu file")
     return read_system(built_ssp(), variant=text)
+
+
+def _alone(path: Path) -> System:
+    """Return the system that one FMU is: its inputs stay at their start values, step and stop time are its own."""
+    experiment = open_fmu(path).description.defaultExperiment
+    texts = [getattr(experiment, name, None) for name in ("startTime", "stopTime", "stepSize")]
+    start, stop, step = (None if text is None else float(text) for text in texts)
+    name = path.stem.replace(".", "_")  # a dot would be a system in the system
+    return System(
+        name, path, {name: Element(name, path)}, (), start=start or 0.0, stop=stop, step_size=step, variants=(name,)
+    )
 
 
 def built_ssp() -> Path:

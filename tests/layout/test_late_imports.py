@@ -20,11 +20,13 @@ LATE = {
     "pyarrow": "an optional dependency",
     "numba": "optional in an FMU, which runs without it, too",
     "llvmlite": "only builds need it",
-    "platformdirs": "not there in an FMU",
+    "fmus.cache": "not there in an FMU",
+    "fmus.machine_code": "needs numba, which is optional in an FMU",
     "fmpy.logging": "loads a library that not every platform has",
     "fmus.sources": "not there in an FMU",
     "fmus.rail.shipped": "loads scikit-fem",
     "orchestrator.fmi.isolation": "seldom wanted",
+    "orchestrator.cli": "Ctrl-C while it is being loaded ends like any other",
     "orchestrator.figures": "loads matplotlib",
 }
 """What modules below the commands import late: module, reason. A command imports late whatever it alone needs."""

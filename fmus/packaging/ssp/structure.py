@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ...cases import Case
 from ...component import Component, Instance, Variable
-from ...interface import STEP_SIZE, UNITS, connections, mobility_ports
+from ...interface import CHANGE, STEP_SIZE, UNITS, connections, mobility_ports
 from .namespaces import tag
 from .xml import add_experiment, add_openmodelica_step, add_units, parameter_set, to_bytes
 
@@ -97,8 +97,11 @@ def _description(case: Case, parts: Mapping[str, Component], fmus: Mapping[str, 
 
 
 def _connected(component: Component) -> list[Variable]:
-    """Return the variables of a component that become connectors: inputs, outputs."""
-    return [v for v in component.variables if v.causality in ("input", "output")]
+    """Return the variables of a component that become connectors: outputs, and inputs that are connected.
+
+    Some hosts write to every connector, zero or worse: FMPy's runner gives one without a wire what another wire has.
+    """
+    return [v for v in component.variables if v.causality in ("input", "output") and not v.name.endswith(CHANGE)]
 
 
 def _component(name: str, source: str, parameters: str, component: Component) -> Element:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from fmus.modal.data import ModalData
 
 
-Track = Annotated[str, typer.Argument(metavar="TRACK", help="A track file, or default, soft-pads, bs113a, slab.")]
+Track = Annotated[
+    str, typer.Argument(metavar="TRACK", help="A track file, or default, soft-pads, rail-dampers, bs113a, slab.")
+]
 
 Errors = dict[str, dict[str, float]]
 

@@ -17,15 +17,15 @@ from ..tools import Json, screen
 _COLUMNS = ("name", "causality", "type", "unit", "start", "description")
 
 
-def tables(description: dict[str, Any]) -> Iterator[Table | Tree]:
-    """Yield what shows a description; numbered variables such as shape_lat_001 ... share a row."""
+def tables(description: dict[str, Any], every: bool = False) -> Iterator[Table | Tree]:
+    """Yield what shows a description; numbered ones such as shape_lat_001 share a row, unless every one is wanted."""
     head = Table(show_header=False, title=description["file"], title_justify="left")
     for key, value in description.items():
         if not isinstance(value, list) or key in ("platforms", "variants"):
             head.add_row(key, ", ".join(value) if isinstance(value, list) else str(value))
     yield head
     if "variables" in description:
-        yield _variables(description["variables"])
+        yield _variables(description["variables"], every)
         return
     yield _tree(description["system"], description["components"])
     for title in ("connections", "outputs"):
@@ -59,28 +59,25 @@ def _tree(name: str, components: list[dict[str, Any]]) -> Tree:
     return root
 
 
-def _variables(variables: list[dict[str, Any]]) -> Table:
+def _variables(variables: list[dict[str, Any]], every: bool) -> Table:
+    """Return the variables; unless every one is wanted, those that differ by a number only as one, and no descriptions.
+
+    A description beside five columns leaves room for a few letters of it on an ordinary screen.
+    """
+    headings = _COLUMNS if every else _COLUMNS[:-1]
     table = Table(title="variables", title_justify="left")
-    for heading in _COLUMNS:
+    for heading in headings:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("name", "unit"))
     families = Counter(_family(v["name"]) for v in variables)
     shown: set[str] = set()
     for v in variables:
         family = _family(v["name"])
-        if families[family] > 3:
-            if family not in shown:
-                cells = (
-                    f"{family} ({families[family]})",
-                    v["causality"],
-                    v["type"],
-                    v["unit"],
-                    "...",
-                    v["description"],
-                )
-                table.add_row(*(str(cell or "") for cell in cells))
+        if every or families[family] <= 3:
+            table.add_row(*("" if v[c] is None else str(v[c]) for c in headings))
+        elif family not in shown:
+            one = {**v, "name": f"{family} ({families[family]})", "start": "..."}
+            table.add_row(*(str(one[c] or "") for c in headings))
             shown.add(family)
-        else:
-            table.add_row(*("" if v[c] is None else str(v[c]) for c in _COLUMNS))
     return table
 
 
@@ -114,6 +111,7 @@ def _family(name: str) -> str:
 def info(
     file: Annotated[Path, typer.Argument(help="An .fmu, .ssp or .ssd file.")],
     set_: Annotated[bool, typer.Option("--set", help="List what `run --set` can set instead.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="Every variable, with its description.")] = False,
     json: Json = False,
 ) -> None:
     """Show what is inside an FMU or a system."""
@@ -130,5 +128,5 @@ def info(
     if json:
         screen.print_json(data=description)
     else:
-        for table in tables(description):
+        for table in tables(description, every):
             screen.print(table)

@@ -41,6 +41,7 @@ class Branch:
     exponent : (m,) largest exponent [1/s]; nan where it was not asked for
     marks : bifurcations in the order of the branch
     ends : why it ends at its first and at its last point, in words
+    unit : of the parameter
     """
 
     parameter: str
@@ -51,6 +52,7 @@ class Branch:
     exponent: Complex
     marks: tuple[Mark, ...]
     ends: tuple[str, str]
+    unit: str = "1"
 
     @property
     def stable(self) -> NDArray[np.bool_]:
@@ -131,6 +133,7 @@ def follow(
         exponents,
         tuple(marks),
         (first, last),
+        parameter.unit,
     )
 
 
@@ -199,6 +202,7 @@ def branch_as_json(branch: Branch) -> dict[str, Any]:
     asked = ~np.isnan(branch.exponent)
     return {
         "parameter": branch.parameter,
+        "unit": branch.unit,
         "value": branch.value.tolist(),
         "amplitude": branch.amplitude.tolist(),
         "frequency_hz": branch.frequency_hz.tolist(),

@@ -28,6 +28,7 @@ class Parameter:
     start : its value in the model
     low, high : range in which the model can be made
     at : the model at a value
+    unit : as it is written beside an axis
     """
 
     name: str
@@ -35,6 +36,7 @@ class Parameter:
     low: float
     high: float
     at: Callable[[float], SquealModel]
+    unit: str = "1"
 
 
 def find_parameter(model: SquealModel, name: str) -> Parameter:
@@ -65,7 +67,7 @@ def _of_contact(model: SquealModel, name: str, own: str) -> Parameter:
     def at(value: float) -> SquealModel:
         return replace(model, contact={**model.contact, own: float(np.clip(value, variable.minimum, variable.maximum))})
 
-    return Parameter(name, start, variable.minimum, variable.maximum, at)
+    return Parameter(name, start, variable.minimum, variable.maximum, at, variable.unit)
 
 
 def _of_damping(model: SquealModel, name: str, component: str, modes: Modes) -> Parameter:

@@ -25,6 +25,8 @@ STIFF = {
     "mobility_lat_ver": 5e-7, "mobility_lon_spin": 2e-6, "mobility_lat_spin": -4e-6,
 }  # fmt: skip
 
+N_INPUTS = len(contact().of("input"))
+
 Matrix = NDArray[np.float64]
 
 
@@ -108,7 +110,7 @@ def settled(situation: str) -> Instance:
     for _ in range(1500):
         instance.do_step(H)
     w = tuple(instance.state[S.w_lon : S.w_lon + 3])
-    load = instance.state[S.f_normal] + instance.parameters[P.normal_load]
+    load = instance.state[S.f_normal] + instance.derived[D.load]
     arrays = (instance.parameters, instance.derived, instance.state)
     if instance.parameters[P.creep_law] == WITH_MEMORY:
         change = last_change(instance.state)
@@ -129,7 +131,7 @@ def test_derivative_of_the_contact_is_that_of_its_step(situation: str) -> None:
     instance = settled(situation)
     before = instance.memory.copy()
     instance.do_step(H)
-    steps = np.array([1e-6, 1e-6, 1e-6, 1e-4] * 2 + [1e-11] * 4)
+    steps = np.array([1e-6, 1e-6, 1e-6, 1e-4] * 2 + [1e-11] * 4 + [1e-7, 1e-7, 1e-5, 1e-1, 1e-6])
     found, again = derivative(instance), repeated_step(instance, before, steps)
     largest = abs(found * steps).max(axis=1, keepdims=True) + 1e-300
     np.testing.assert_allclose(found * steps / largest, again * steps / largest, atol=2e-4)
@@ -152,7 +154,7 @@ def test_derivative_at_rest_in_closed_form() -> None:
         output(contact(), "spin_moment")
     ]
     t = np.array([0, 1, 3])
-    seed = np.zeros((4, 12))
+    seed = np.zeros((4, N_INPUTS))
     seed[:, :4] = linear.turn  # the wheel's velocity in contact axes
     found = np.array([instance.differentiate(s) for s in seed])[:, tangential].T
     scale = abs(linear.H1).max()
@@ -162,7 +164,7 @@ def test_derivative_at_rest_in_closed_form() -> None:
     solve = np.linalg.inv(np.eye(3) - linear.H1 @ Y[:, :3])
     found = np.array([instance.differentiate(s) for s in seed])[:, tangential].T
     np.testing.assert_allclose(found[:, t], 1.5 * solve @ linear.H1, atol=1e-8 * scale)
-    depth = np.zeros(12)
+    depth = np.zeros(N_INPUTS)
     depth[8:10] = linear.turn[2, 1:3]  # the wheel's displacement along the normal
     found = instance.differentiate(depth)[tangential]
     expected = -linear.stiffness * solve @ (linear.H1 @ Y[:, 3] + linear.h2)
@@ -172,5 +174,5 @@ def test_derivative_at_rest_in_closed_form() -> None:
 def test_a_seed_of_the_wrong_length_is_refused() -> None:
     instance = Instance(contact())
     instance.initialise()
-    with pytest.raises(ValueError, match=r"seed has shape \(4,\); must be \(12,\), one value per input"):
+    with pytest.raises(ValueError, match=r"seed has shape \(4,\); must be \(17,\), one value per input"):
         instance.differentiate(np.zeros(4))

@@ -187,10 +187,10 @@ def test_a_saved_state_goes_on_to_the_bit(seed: int) -> None:
     for k, move in enumerate(moves):
         if k == 10:
             other.memory[:] = instance.memory
-        instance.inputs[:] = move
+        instance.inputs[:12] = move
         instance.do_step(5e-6)
         if k >= 10:
-            other.inputs[:] = move
+            other.inputs[:12] = move
             other.do_step(5e-6)
     np.testing.assert_array_equal(instance.memory, other.memory)
     assert np.count_nonzero(instance.state[S.tractions :]) > 0

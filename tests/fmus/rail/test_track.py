@@ -15,7 +15,7 @@ from fmus.rail.track_data import TRACKS, Track, read_track
 
 LON, LAT, VER, SPIN = range(4)
 
-NAMES = ("default", "soft-pads", "bs113a", "slab")
+NAMES = ("default", "soft-pads", "rail-dampers", "bs113a", "slab")
 
 OMEGA = 2 * np.pi * np.array([30.0, 79.0, 215.0, 700.0, 1100.0, 3000.0, 5000.0])
 
@@ -98,7 +98,7 @@ def test_high_frequency_mobility_is_that_of_the_free_waves(name: str) -> None:
     # both neglect terms in (cut-on / frequency)^2: below (13 kHz / 2 MHz)^2 = 4e-5 in shear, 1e-8 in the rod
     assert mobility[VER, VER] == pytest.approx(1 / (2 * np.sqrt(shear * m)), rel=1e-3)
     assert mobility[LON, LON] == pytest.approx(1 / (2 * np.sqrt(rail.young_modulus * rail.area * eta * m)), rel=1e-6)
-    if name != "bs113a":
+    if name not in {"bs113a", "rail-dampers"}:  # the numbers are those of UIC 60 with little loss
         assert abs(mobility[VER, VER]) == pytest.approx(4.1e-6, rel=0.01)  # two digits were given
         assert abs(mobility[LON, LON]) == pytest.approx(1.61e-6, rel=0.005)
 

@@ -54,3 +54,14 @@ def test_a_contact_beside_the_head_is_refused() -> None:
 def test_frequencies_must_be_positive(omega: list[float]) -> None:
     with pytest.raises(ValueError, match="must be finite and > 0"):
         track_receptance(omega, _track())
+
+
+def test_rail_dampers_make_waves_decay_as_their_file_says() -> None:
+    """Bending waves of a free rail, k = (m w^2 / (E I (1 + j eta)))^(1/4): 1.7 dB/m more at 1 kHz; 3 % for rounding."""
+    decay = []
+    for name in ("default", "rail-dampers"):
+        rail = _track(name).section
+        stiffness = rail.bending_stiffness_ver * (1 + 1j * rail.loss_factor)
+        k = (rail.mass_per_length * (2 * np.pi * 1000) ** 2 / stiffness) ** 0.25
+        decay.append(-20 * np.log10(np.e) * k.imag)
+    assert decay[1] - decay[0] == pytest.approx(1.7, rel=0.03)

@@ -15,11 +15,13 @@ from slaves import H, Slave
 from fmus.cases import read_cases
 from fmus.component import Component, Instance
 from fmus.contact.layout import D
+from fmus.interface import OPERATING_POINT
 from fmus.packaging.catalogue import components
 from fmus.sources import files_of
-from fmus.system.layout import INPUTS, N_CONTACT_DERIVED
+from fmus.system.layout import N_CONTACT_DERIVED
 
 CASE = read_cases()[0].contact
+INPUTS = [port.name for port in OPERATING_POINT]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,7 @@ def coupled(declared: dict[str, Component], steps: int, values: dict[str, float]
         contact.parameters[place] = mu0[k]
         contact.do_step(H)
         wheel.inputs[:], rail.inputs[:] = contact.outputs[0:4], contact.outputs[4:8]
-        rows.append(np.concatenate([u, contact.outputs]))
+        rows.append(np.concatenate([u[:12], contact.outputs]))
     return np.array(rows)
 
 
@@ -93,7 +95,7 @@ def test_friction_changes_over_time_without_a_constant_force_on_the_structures(d
     system.initialise()
     mu0 = INPUTS.index("mu0")
     before = system.outputs.copy()
-    system.inputs[mu0] = 0.4
+    system.inputs[mu0] = 0.1
     for _ in range(100):
         system.do_step(H)
     names = [v.name for v in declared["curvesqueal"].of("output")]
@@ -102,13 +104,30 @@ def test_friction_changes_over_time_without_a_constant_force_on_the_structures(d
     assert abs(system.outputs[:12]).max() < 1e-12
 
 
+@pytest.mark.parametrize(("name", "change"), [("mu0", 0.1), ("steady_creepage_lat", -0.005)])
+def test_a_parameter_is_tuned_as_its_input_changes_it(declared: dict[str, Component], name: str, change: float) -> None:
+    """To rounding; both from the same moment on."""
+    tuned, driven = Instance(declared["curvesqueal"]), Instance(declared["curvesqueal"])
+    for system in (tuned, driven):
+        system.initialise()
+    start = tuned.parameters[tuned.component.parameter_index[name]]
+    for k in range(600):
+        if k == 100:
+            tuned.set_parameter(name, start + change)
+            driven.inputs[INPUTS.index(name)] = change
+        tuned.do_step(H)
+        driven.do_step(H)
+    np.testing.assert_allclose(tuned.outputs, driven.outputs, rtol=1e-9, atol=1e-15)
+    assert abs(tuned.outputs[:8]).max() > 1e-5
+
+
 @pytest.mark.parametrize("load", [30e3, 60e3, 90e3])
 def test_the_contact_stiffness_follows_hertz_when_the_load_changes(declared: dict[str, Component], load: float) -> None:
     """The approach goes with the load to the power 2/3, so the stiffness with its cube root."""
     system = Instance(declared["curvesqueal"], {"pulse_force": 0.0})
     system.initialise()
     stiffness = CASE["hertz_stiffness"]
-    system.inputs[INPUTS.index("normal_load")] = load
+    system.inputs[INPUTS.index("normal_load")] = load - 60e3
     system.do_step(H)
     derived = system.derived[-N_CONTACT_DERIVED:]
     assert 1.5 * load / derived[D.approach] == pytest.approx(stiffness * (load / 60e3) ** (1 / 3), rel=1e-12)
@@ -126,7 +145,7 @@ def test_the_fmu_computes_what_the_component_computes(
     instance.initialise()
     found, expected = [], []
     for k in range(500):
-        inputs = np.array([0.0, 0.02, 0.0, 60e3, 0.3 + 0.05 * np.sin(0.05 * k)])
+        inputs = np.array([0.0, 0.0, 0.0, 0.0, 0.05 * np.sin(0.05 * k)])
         slave.set_inputs(inputs)
         slave.step()
         found.append(slave.outputs())

@@ -113,6 +113,8 @@ def test_build_and_info(tmp_path: Path) -> None:
     assert {"wheel.fmu", "rail.fmu", "rail-rigid.fmu", "contact.fmu", "curvesqueal.ssp"} <= names
     shown = curvesqueal("info", str(tmp_path / "contact.fmu"))
     assert "steady_creepage_lat" in shown.stdout
+    assert len(shown.stdout.splitlines()) < 130  # a line for each variable or numbered family, no folded descriptions
+    assert "lateral velocity" in curvesqueal("info", "--all", str(tmp_path / "contact.fmu")).stdout
     data = json.loads(curvesqueal("info", str(tmp_path / "curvesqueal.ssp"), "--json").stdout)
     assert [c["name"] for c in data["components"]] == ["wheel", "rail", "contact"]
     assert len(data["connections"]) == 20

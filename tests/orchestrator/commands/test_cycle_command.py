@@ -56,6 +56,25 @@ def test_another_wheel_and_damping_have_other_tones() -> None:
         CliRunner().invoke(app, [*arguments, "--damp", "(3,0)=2e-2"], catch_exceptions=False)
 
 
+@pytest.mark.slow
+def test_what_a_tone_breaks_up_into_is_told() -> None:
+    """`--torus`: two tones of Case 3's 272 Hz, in words and as JSON."""
+    arguments = ["cycle", "case3", "--tone", "272", "--torus"]
+    words = CliRunner().invoke(app, arguments, catch_exceptions=False).stdout
+    assert "breaks up through sidebands at 148 and 420 Hz into 272 + 148 + 419 Hz" in words
+    (tori,) = json.loads(CliRunner().invoke(app, [*arguments, "--json"], catch_exceptions=False).stdout)["tori"]
+    assert tori["torus"]["frequencies_hz"] == pytest.approx([271.91, 147.56], abs=0.05)
+    assert sum(line["amplitude"] ** 2 / 2 for line in tori["torus"]["lines"]) ** 0.5 == pytest.approx(
+        tori["torus"]["wheel_velocity_rms"]["lat"], rel=0.01
+    )
+
+
+@pytest.mark.parametrize("other", [["--no-stability"], ["--against", "contact.mu0=0.1:0.5"]])
+def test_two_tones_without_stability_are_refused(other: list[str]) -> None:
+    with pytest.raises(InputError, match=f"{other[0]} does not go with it"):
+        CliRunner().invoke(app, ["cycle", "case1", "--torus", *other], catch_exceptions=False)
+
+
 def test_a_tone_that_is_not_there_is_refused() -> None:
     """The nearest ones are named."""
     with pytest.raises(InputError, match=r"no tone near 700 Hz: .*1101\.2 Hz"):
@@ -76,3 +95,4 @@ def test_all_tones_are_drawn() -> None:
     assert growth.get_xlabel() == "Amplitude of the first harmonic [m/s]"
     assert "dB(A)" in levels.get_ylabel()
     assert growth.get_legend() is not None
+    assert levels.get_title() == "whether they last was not looked at"

@@ -97,7 +97,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("nowhere",), "nowhere: neither a track file nor one of bs113a, default, slab, soft-pads"),
+        (("nowhere",), "nowhere: neither a track file nor one of bs113a, default, rail-dampers, slab, soft-pads"),
         (("default", "--method", "best"), "method is 'best'; must be one of accurate, paper"),
         (("default", "--method", "paper", "--modes", "3"), "most_modes goes with method 'accurate'"),
         (("default", "--out", "rail.json"), r"--out .*rail.json: must end with .toml"),

@@ -37,6 +37,9 @@ def shell(command: str, file: Path, **variables: str) -> subprocess.CompletedPro
     [
         ("cs info no.ssp 2>&-", 1, ""),
         ("cs info no.ssp >&- <&-", 1, "curvesqueal: "),
+        pytest.param("cs run $(printf 'x%.0s' {1..5000}).ssp", 1, "File name too long", marks=pytest.mark.slow),
+        pytest.param("cs run case1 --out $(printf 'x%.0s' {1..5000})", 1, "File name too long", marks=pytest.mark.slow),
+        pytest.param("cs run case1 --duration 1e-3 --out $'o\\xff'", 1, "is not UTF-8", marks=pytest.mark.slow),
         pytest.param("cs --help >&-", 0, "", marks=pytest.mark.slow),
         pytest.param('cs info "$1" --json | head -c 10', BROKEN, "", marks=pytest.mark.slow),
         pytest.param('cs info "$1" 2>&1 | head -c 10', BROKEN, "", marks=pytest.mark.slow),

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from fmus.modal.data import read_modal_data
 from fmus.modal.modes import Modes, receptance
+from fmus.wheel.class158 import class158
 from orchestrator.commands.structures.wheel_measured import measured
 from orchestrator.commands.structures.wheel_treat import treat
 from orchestrator.errors import InputError
@@ -58,14 +59,20 @@ def test_a_measured_wheel_gets_modes_and_labels(tmp_path: Path) -> None:
     axes = ["--axis", "1=lon", "--axis", "-2=lat", "--axis", "-3=ver"]
     options = [*axes, "--like", "class158", "--out", str(out), "--json"]
     data = json.loads(call(measured, str(functions(tmp_path / "w.uff")), *options))
-    assert data["notes"] == ["not measured, so the wheel is rigid there: lon, spin"]
+    rigid, areas = data["notes"]
+    assert rigid == "not measured, so the wheel is rigid there: lon, spin"
+    assert areas.startswith("areas of ")
+    assert " are those of class158, of the other " in areas
     assert [row["direction"] for row in data["used"]] == ["lat", "lat due to ver", "ver"]
-    modes = read_modal_data(out).modes
+    written, known = read_modal_data(out), class158()
+    modes = written.modes
+    assert written.areas is not None
     for i, label in enumerate(("(2,0) cosine", "(3,0) cosine")):
         found = modes.labels.index(label)
         assert modes.omega[found] == pytest.approx(TRUTH.omega[i], rel=1e-5)
         assert modes.zeta[found] == pytest.approx(TRUTH.zeta[i], rel=1e-2)
         np.testing.assert_allclose(np.abs(modes.shape[found]), np.abs(TRUTH.shape[i]), rtol=1e-2, atol=1e-9)
+        assert written.areas[found, 0] == known.area_axial[known.modes.labels.index(label)]
 
 
 def test_cross_functions_need_axes(tmp_path: Path) -> None:

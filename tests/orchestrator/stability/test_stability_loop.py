@@ -102,7 +102,7 @@ def test_slope_at_a_corner_of_the_friction_law_is_refused() -> None:
         (lambda: find_wheel("no-such-wheel"), "neither class158"),
         (
             lambda: find_rail("steel"),
-            "must be analytic, modal, one of bs113a, default, slab, soft-pads, a track file or",
+            "must be analytic, modal, one of bs113a, default, rail-dampers, slab, soft-pads, a track file or",
         ),
         (lambda: find_case("case9"), "neither a case"),
         (lambda: linear_contact({"mu0": -1.0}), "mu0 = -1: must be in the range"),
