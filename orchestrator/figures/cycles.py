@@ -11,7 +11,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter
 from ..limit_cycles.bifurcations.diagram import Branch
 from ..limit_cycles.catalogue import Catalogue, Cycle
 from ..visible import visible
-from .style import COLOURS, STYLE
+from .style import COLOURS, STYLE, plain_ticks
 
 SHOWN_DB = 100.0
 """Lines that are weaker than the strongest by more are not drawn [dB]."""
@@ -25,7 +25,7 @@ def draw_cycles(found: Catalogue, title: str) -> Figure:
         _draw_growth(growth, found)
         _draw_levels(levels, found)
         figure.suptitle(f"{visible(title)}: limit cycles", fontsize="large")
-        return figure
+        return plain_ticks(figure)
 
 
 def _draw_growth(axes: Axes, found: Catalogue) -> None:
@@ -81,7 +81,7 @@ def draw_cycle(cycle: Cycle, title: str) -> Figure:
         rms = cycle.wheel_velocity_rms["lat"]
         level = "" if cycle.level_dba is None else f", {cycle.level_dba:.1f} dB(A)"
         figure.suptitle(f"{visible(title)}: {cycle.frequency_hz:.2f} Hz, {rms:.4f} m/s rms{level}; {cycle.fate}")
-        return figure
+        return plain_ticks(figure)
 
 
 def _draw_loop(axes: Axes, cycle: Cycle) -> None:
@@ -161,4 +161,4 @@ def draw_branches(branches: list[Branch], title: str) -> Figure:
         how = "solid, lasts; dashed, does not" if asked else "whether it lasts was not looked at"
         axes.set_title(f"{visible(title)}: {how}", fontsize="medium")
         axes.legend(fontsize=8)
-        return figure
+        return plain_ticks(figure)

@@ -14,7 +14,7 @@ from fmus.interface import DIRECTIONS
 from ..probing.rail_check import RailReport
 from ..probing.rail_passivity import BAND_HZ, Mobility
 from ..visible import visible
-from .style import STYLE
+from .style import STYLE, plain_ticks
 
 TITLE = {"lon": "longitudinal", "lat": "lateral", "ver": "vertical", "spin": "spin"}
 UNIT = {"lon": "m/(N s)", "lat": "m/(N s)", "ver": "m/(N s)", "spin": "rad/(N m s)"}
@@ -41,7 +41,7 @@ def draw_mobility(mobility: Mobility, title: str) -> Figure:
             _frame_phase(phase)
         title += f"; at s = {mobility.shift:.3g} 1/s + j omega" if mobility.shift else ""
         figure.suptitle(f"Point mobility from impulse responses: {visible(title)}", fontsize="medium")
-    return figure
+    return plain_ticks(figure)
 
 
 def _frame_phase(axes: Axes) -> None:

@@ -18,7 +18,7 @@ from fmus.interface import DIRECTIONS
 from ..signals.spectra import a_weighting, regular
 from ..signals.summary import sample_interval, spectrum
 from ..visible import visible
-from .style import COLOURS, LINES, STYLE, WORDS
+from .style import COLOURS, LINES, STYLE, WORDS, plain_ticks
 
 if TYPE_CHECKING:
     from ..sound.levels import Sound
@@ -50,7 +50,7 @@ def draw_run(data: xr.Dataset, path: Path) -> None:
             )  # fmt: skip
         handles = [Line2D([], [], color=COLOURS[c], linestyle=LINES[c], label=c) for c in COLOURS]
         figure.legend(handles=handles, loc="upper right", ncols=2)
-        figure.savefig(path, dpi=150)
+        plain_ticks(figure).savefig(path, dpi=150)
 
 
 def _draw_signal(row: list[Axes], data: xr.Dataset, name: str, component: str) -> None:
@@ -104,7 +104,7 @@ def draw_directions(data: xr.Dataset, path: Path) -> None:
         axes[0][0].set(title=f"{visible(data.attrs.get('title', ''))}: velocity at the contact point")
         axes[0][1].set(title="amplitude, second half")
         axes[0][1].legend(loc="upper right")
-        figure.savefig(path, dpi=110)
+        plain_ticks(figure).savefig(path, dpi=110)
 
 
 def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
@@ -121,7 +121,8 @@ def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
             if sound.rail_dba is not None and sound.total_dba is not None:
                 totals.bar(k, sound.rail_dba, 0.25, color=f"C{k}", alpha=0.4, hatch="//", edgecolor="black")
                 totals.bar(k + 0.25, sound.total_dba, 0.25, color=f"C{k}", alpha=0.75, hatch="..", edgecolor="black")
-        low = min((s.low_dba for s in sounds.values() if np.isfinite(s.low_dba)), default=60.0)
+        known = [level for s in sounds.values() for level in (s.low_dba, s.rail_dba) if level is not None]
+        low = min((level for level in known if np.isfinite(level)), default=60.0)
         bands.set(xscale="log", xlabel="Frequency [Hz]", ylabel="Level in one-third octaves [dB(A)]", ylim=(20, None))
         bands.legend()
         totals.legend(
@@ -134,4 +135,4 @@ def draw_sound(sounds: dict[str, Sound], path: Path) -> None:
         )  # fmt: skip
         totals.set(ylabel="Total level [dB(A)]", ylim=(10 * np.floor(low / 10 - 1), None))
         totals.set_xticks(range(len(sounds)), [visible(name) for name in sounds])
-        figure.savefig(path, dpi=110)
+        plain_ticks(figure).savefig(path, dpi=110)

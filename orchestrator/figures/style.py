@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STYLE: Any = {
     "font.size": 9,
@@ -23,3 +26,12 @@ PLAIN: Any = {"parse_math": False}
 """Of a text with a name from a file, in figures of another style."""
 
 WORDS = {"lat": "Lateral", "ver": "Vertical"}
+
+
+def plain_ticks(figure: Figure) -> Figure:
+    """Give logarithmic axes labels that need no mathematics, which `STYLE` does not set; return the figure."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "log":
+                axis.set_major_formatter(lambda value, _: f"{value:g}")
+    return figure

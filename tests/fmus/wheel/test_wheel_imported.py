@@ -120,13 +120,14 @@ def test_uff_without_rotations_says_that_spin_is_rigid(tmp_path: Path) -> None:
     assert "the wheel is rigid in spin" in read.notes[0]
 
 
-def test_spin_is_the_rotation_of_nodes_nearby(tmp_path: Path) -> None:
+@pytest.mark.parametrize("nodes", [15, 2411])
+def test_spin_is_the_rotation_of_nodes_nearby(tmp_path: Path, nodes: int) -> None:
     """Rigid rotation by 2 about -z, ver's axis, and a translation, at nodes nearby: exact but for digits."""
     offsets = np.array([[0, 0, 0], [0.02, 0, 0], [0, 0.03, 0], [0, 0, 0.02], [0.01, 0.02, -0.01], [-0.02, 0.01, 0.01]])
     moved = np.cross([0, 0, -2.0], offsets) + np.array([0.1, 0.2, 0.3])
     sets = [
         units(),
-        {"type": 15, "node_nums": [7, 1, 2, 3, 4, 5], "def_cs": [0] * 6, "disp_cs": [0] * 6, "color": [0] * 6,
+        {"type": nodes, "node_nums": [7, 1, 2, 3, 4, 5], "def_cs": [0] * 6, "disp_cs": [0] * 6, "color": [0] * 6,
          **dict(zip("xyz", (offsets + 1).T.tolist(), strict=True))},
         data_55(0, data_ch=2, node_nums=np.array([7, 1, 2, 3, 4, 5]), r1=moved[:, 0], r2=moved[:, 1], r3=moved[:, 2],
                 r4=None, r5=None, r6=None),

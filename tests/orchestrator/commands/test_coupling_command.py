@@ -140,13 +140,14 @@ def test_table_is_printed_for_people(capsys: pytest.CaptureFixture[str], monkeyp
         assert word in out, out
 
 
-def test_systems_without_a_contact_get_a_sentence(
+def test_systems_of_which_nothing_is_known_get_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    good = "self.y = 0.5 * self.u"
-    ring = toy_ssd(tmp_path, toy_fmu(tmp_path, "One", good), toy_fmu(tmp_path, "Two", good))
+    bent = "self.y = 0.5 * self.u + self.u * abs(self.u)"
+    ring = toy_ssd(tmp_path, toy_fmu(tmp_path, "One", bent), toy_fmu(tmp_path, "Two", bent))
     monkeypatch.setattr(sys, "argv", ["curvesqueal", "coupling", str(ring), "--step", "1e-5"])
     assert command_line() == 1
     said = " ".join(capsys.readouterr().err.split())
     assert "no growth rates can be given" in said, said
     assert "no contact that takes interface mobilities" in said
+    assert "the system is not linear there" in said
