@@ -4,7 +4,6 @@ As a library it is `load`, `simulate`, `resume` and `cycles`; see `orchestrator.
 """
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, SimulationError
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
     from .runs.outcome import Outcome
     from .runs.scenario import Scenario
 
-__version__ = version("curvesqueal")
-
 __all__ = [
     "Catalogue", "InputError", "Outcome", "Progress", "Scenario", "SimulationError", "break_ups", "cycles", "load",
     "plot_cycles", "resume", "simulate",
@@ -26,6 +23,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Load the library on first use: what needs only a part of the package starts fast."""
+    if name == "__version__":
+        return import_module("importlib.metadata").version("curvesqueal")
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(".library", __name__), name)

@@ -56,7 +56,7 @@ def killed(command: list[str], checkpoint: Path, number: signal.Signals, dice: r
         there = process.poll() is None
         process.send_signal(number)
         _, err = process.communicate(timeout=60)
-    assert "Traceback" not in err
+    assert "Traceback" not in err, err
     assert process.returncode in ({0, -signal.SIGKILL} if number == signal.SIGKILL else {0, 130}), err
     return there and process.returncode != 0
 
