@@ -65,7 +65,7 @@ def test_irregular_motion_has_a_verdict_and_no_tone(tmp_path: Path) -> None:
     run = run_scenario(Scenario("case1", duration=0.01), tmp_path, QUIET)
     time = np.arange(100_000) * 2e-5
     noise = 0.1 * np.random.default_rng(0).standard_normal(time.size)
-    data = Samples({"time": time, "wheel.v_lat": noise}, {}, {})
+    data = Samples({"time": time, "wheel.v_lat": noise}, {"step_s": 2e-5, "record_every": 1}, {})
     answer = verdict(run.results, data, run.summary, run.progress, run.spurious)
     assert (answer.squeals, answer.irregular, answer.tone_hz, answer.mode) == (True, True, None, None)
     assert answer.sentence.startswith("squeals irregularly, without a tone (strongest line")
