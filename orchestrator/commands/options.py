@@ -20,7 +20,7 @@ from ..system.friction import FRICTION
 
 System = Annotated[
     str,
-    typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp or an .ssd file."),
+    typer.Argument(metavar="CASE|FILE", help="case1 to case4, inferred1 to inferred4, an .ssp, .ssd or .fmu file."),
 ]
 Texts = list[str] | None
 

@@ -30,7 +30,7 @@ class Scenario:
 
     Attributes
     ----------
-    system : a case such as "case1", an .ssp or an .ssd file
+    system : a case such as "case1", an .ssp, .ssd or .fmu file
     duration, step, algorithm : None: as the system says
     values : parameter values by component and name
     sources : FMU files that replace a component's own
@@ -56,7 +56,7 @@ class Scenario:
     def absolute(self) -> Scenario:
         """Return a scenario that means the same in any folder; an FMU may go to another one while it runs."""
         file, separator, variant = self.system.partition("#")
-        named = Path(file).suffix in (".ssp", ".ssd")
+        named = Path(file).suffix in (".ssp", ".ssd", ".fmu")
         values = {
             component: {n: str(Path(str(v)).absolute()) if _is_file(n, v) else v for n, v in own.items()}
             for component, own in self.values.items()
