@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.padding import Padding
 from rich.table import Table
 from rich.tree import Tree
 
 from ..tools import Json, screen
 
-_COLUMNS = ("name", "causality", "type", "unit", "start", "description")
+_COLUMNS = ("name", "causality", "type", "unit", "start")
 
 
 def tables(description: dict[str, Any], every: bool = False) -> Iterator[Table | Tree]:
@@ -25,7 +26,7 @@ def tables(description: dict[str, Any], every: bool = False) -> Iterator[Table |
             head.add_row(key, ", ".join(value) if isinstance(value, list) else str(value))
     yield head
     if "variables" in description:
-        yield _variables(description["variables"], every)
+        yield (_described if every else _variables)(description["variables"])
         return
     yield _tree(description["system"], description["components"])
     for title in ("connections", "outputs"):
@@ -59,25 +60,31 @@ def _tree(name: str, components: list[dict[str, Any]]) -> Tree:
     return root
 
 
-def _variables(variables: list[dict[str, Any]], every: bool) -> Table:
-    """Return the variables; unless every one is wanted, those that differ by a number only as one, and no descriptions.
-
-    A description beside five columns leaves room for a few letters of it on an ordinary screen.
-    """
-    headings = _COLUMNS if every else _COLUMNS[:-1]
+def _variables(variables: list[dict[str, Any]]) -> Table:
+    """Return the variables without descriptions; those that differ by a number only are one."""
     table = Table(title="variables", title_justify="left")
-    for heading in headings:
+    for heading in _COLUMNS:
         table.add_column(heading, overflow="fold", no_wrap=heading in ("name", "unit"))
     families = Counter(_family(v["name"]) for v in variables)
     shown: set[str] = set()
     for v in variables:
         family = _family(v["name"])
-        if every or families[family] <= 3:
-            table.add_row(*("" if v[c] is None else str(v[c]) for c in headings))
+        if families[family] <= 3:
+            table.add_row(*("" if v[c] is None else str(v[c]) for c in _COLUMNS))
         elif family not in shown:
             one = {**v, "name": f"{family} ({families[family]})", "start": "..."}
-            table.add_row(*(str(one[c] or "") for c in headings))
+            table.add_row(*(str(one[c] or "") for c in _COLUMNS))
             shown.add(family)
+    return table
+
+
+def _described(variables: list[dict[str, Any]]) -> Table:
+    """Return every variable, its description in a line of its own: beside five columns there is no room for it."""
+    table = Table(title="variables", title_justify="left", show_header=False, box=None)
+    for v in variables:
+        start = [] if v["start"] is None else ["=", str(v["start"])]
+        table.add_row(" ".join([v["name"] + ":", v["causality"] or "", v["type"], *start, v["unit"] or ""]))
+        table.add_row(Padding(v["description"] or "", (0, 0, 0, 4)))
     return table
 
 
