@@ -60,9 +60,12 @@ def test_a_run_goes_on_to_the_bit(tmp_path: Path) -> None:
     assert numbers(again.results) == numbers(whole.results)
 
 
-@pytest.mark.parametrize("algorithm", ["jacobi", "iterative"])
-def test_other_algorithms_go_on_to_the_bit(tmp_path: Path, algorithm: str) -> None:
-    scenario = Scenario("case3", duration=0.003, algorithm=algorithm)
+@pytest.mark.parametrize(("algorithm", "law"), [("jacobi", 0), ("iterative", 0), ("staggered", 2)])
+def test_other_algorithms_and_the_contact_with_memory_go_on_to_the_bit(
+    tmp_path: Path, algorithm: str, law: int
+) -> None:
+    """The tractions that a contact remembers are part of its state."""
+    scenario = Scenario("case3", duration=0.003, algorithm=algorithm, values={"contact": {"creep_law": law}})
     whole = run_scenario(scenario, tmp_path / "whole", QUIET)
     keeping = Keeping(tmp_path / "run.checkpoint", every=0.0)
     with pytest.raises(PowerCutError):
