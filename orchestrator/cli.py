@@ -32,7 +32,7 @@ Table = dict[str, tuple[str, str]]
 COMMANDS: Table = {
     "build": ("systems.build", "Build the FMUs (wheel, rails, contact, system) and the SSP that couples them."),
     "run": ("systems.run", "Simulate a case of the paper or any system of co-simulation FMUs."),
-    "resume": ("systems.run", "Go on with a run from its checkpoint, to the bit as if it had never stopped."),
+    "resume": ("systems.resume", "Go on with a run from its checkpoint, to the bit as if it had never stopped."),
     "info": ("systems.info", "Show what is inside an FMU or a system."),
     "friction": (
         "analysis.friction:friction",
@@ -72,17 +72,17 @@ COMMANDS: Table = {
     "paper": ("pages.paper", "Write the page that sets every table, figure and claim of the paper next to ours."),
 }
 RAIL_COMMANDS: Table = {
-    "fit": ("structures.rail", "Fit a modal rail to the analytical track of a track file."),
-    "figures": ("structures.rail", "Draw the receptances of a track and its modal rails."),
+    "fit": ("structures.rail_fit", "Fit a modal rail to the analytical track of a track file."),
+    "figures": ("structures.rail_figures", "Draw the receptances of a track and its modal rails."),
     "measured": ("structures.rail_measured", "Fit a passive modal rail to measured functions."),
-    "build": ("structures.rail", "Build a rail FMU from a modal data file."),
-    "regenerate": ("structures.rail", "Make the modal data files that the project ships anew."),
+    "build": ("structures.rail_build", "Build a rail FMU from a modal data file."),
+    "regenerate": ("structures.rail_regenerate", "Make the modal data files that the project ships anew."),
 }
 WHEEL_COMMANDS: Table = {
-    "build": ("structures.wheel", "Build a wheel FMU from modal data or finite elements."),
+    "build": ("structures.wheel_build", "Build a wheel FMU from modal data or finite elements."),
     "treat": ("structures.wheel_treat", "Write a wheel with tuned absorbers or more damping."),
     "measured": ("structures.wheel_measured", "Fit a passive modal wheel to measured functions."),
-    "figures": ("structures.wheel", "Draw cross-sections and modes of the shipped wheels."),
+    "figures": ("structures.wheel_figures", "Draw cross-sections and modes of the shipped wheels."),
 }
 FAULT = 70
 """Exit code of a fault of this program, EX_SOFTWARE of sysexits.h."""

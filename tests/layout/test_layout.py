@@ -80,6 +80,13 @@ def test_a_command_is_a_row_and_a_file(table: dict[str, tuple[str, str]]) -> Non
         assert text.endswith("."), place
 
 
+def test_no_two_commands_share_a_file() -> None:
+    modules = [
+        place.partition(":")[0] for table in (COMMANDS, RAIL_COMMANDS, WHEEL_COMMANDS) for place, _ in table.values()
+    ]
+    assert len(set(modules)) == len(modules)
+
+
 def test_every_case_of_the_table_has_its_system_structure() -> None:
     cases = tomllib.loads((ROOT / "ssp" / "cases.toml").read_text(encoding="utf-8"))["case"]
     files = {path.stem for path in (ROOT / "ssp").glob("*.ssd")}

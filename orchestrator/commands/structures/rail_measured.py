@@ -12,7 +12,7 @@ from fmus.measured.choice import Choice
 
 from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
 from .measured_options import Files, print_used, reads_functions
-from .rail import write_rail
+from .rail_files import write_rail
 
 if TYPE_CHECKING:
     from fmus.rail.measured import RailFit

@@ -12,7 +12,7 @@ from fmus.measured.choice import Choice
 
 from ..tools import Force, Json, messages, notice, require_free, require_suffix, screen, user_mistakes
 from .measured_options import Files, print_used, reads_functions
-from .wheel import read_wheel, write_wheel
+from .wheel_files import read_wheel, write_wheel
 
 if TYPE_CHECKING:
     from fmus.wheel.measured import MeasuredWheel

@@ -9,7 +9,7 @@ import typer
 
 from ...errors import InputError
 from ..tools import Force, Json, require_free, require_suffix, screen, user_mistakes
-from .wheel import read_wheel, write_wheel
+from .wheel_files import read_wheel, write_wheel
 
 
 def treat(  # noqa: PLR0913, PLR0917 - one argument per option

@@ -12,7 +12,7 @@ from fmpy.validation import validate_fmu
 from fmus.component import Instance
 from fmus.modal.component import structure
 from fmus.wheel.imported import read_modes
-from orchestrator.commands.structures.wheel import build
+from orchestrator.commands.structures.wheel_build import build
 from orchestrator.errors import InputError
 
 TABLE = """label,frequency_hz,damping_ratio,lon,lat,ver,spin

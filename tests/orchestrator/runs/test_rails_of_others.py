@@ -15,7 +15,7 @@ from table_fmus import COMPILER
 from fmus.modal.data import ModalData, read_modal_data
 from fmus.modal.modes import Modes
 from fmus.rail.component import DATA
-from orchestrator.commands.structures.rail import write_rail
+from orchestrator.commands.structures.rail_files import write_rail
 from orchestrator.errors import InputError
 from orchestrator.probing.rail_check import check_rail
 from orchestrator.results.file import open_results
