@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,7 +87,7 @@ def stability(balance: Balance, state: State) -> tuple[Balance, State, Stability
     The verdict is the monodromy matrix's. The exponent of a complex pair is found a second time by Hill's determinant;
     a real one is not, for that is off by some 1/s there.
     """
-    exponents: Floquet | None = None
+    tried: list[Floquet] = []
     for truncation in LADDER:
         if truncation.harmonics < max(FEWEST_HARMONICS, balance.truncation.harmonics):
             continue
@@ -96,23 +97,24 @@ def stability(balance: Balance, state: State) -> tuple[Balance, State, Stability
             if solved is None:
                 break
             balance, state = finer, solved[0]
-        exponents = floquet(balance, state)
-        if abs(exponents.phase) < PHASE_ERROR:
+        tried.append(floquet(balance, state))
+        if abs(tried[-1].phase) < PHASE_ERROR:
             break
-    if exponents is None:
-        exponents = floquet(balance, state)
-    return balance, state, _judge(balance, state, exponents)
+    return balance, state, _judge(balance, state, tried or [floquet(balance, state)])
 
 
-def _judge(balance: Balance, state: State, exponents: Floquet) -> Stability:
-    """Put exponents into words."""
+def _judge(balance: Balance, state: State, tried: Sequence[Floquet]) -> Stability:
+    """Put exponents into words: those of the last truncation that was tried."""
+    exponents = tried[-1]
     largest = exponents.largest
     pair = not _is_real(largest)
     sidebands = hill(balance, state, largest) if pair else None
     error = abs(exponents.phase) if np.isfinite(exponents.phase) else float("inf")
     if sidebands is not None:
         error = abs(sidebands.exponent.real - largest.real)
-    doubtful = not abs(exponents.phase) < PHASE_ERROR and abs(largest.real) < error
+    # a motion that the contact does not see keeps its exponent from truncation to truncation, whatever the phase does
+    moved = max((abs(largest - other.largest) for other in tried[:-1]), default=error)
+    doubtful = not abs(exponents.phase) < PHASE_ERROR and abs(largest.real) < moved
     if abs(largest.real) < UNDECIDED or doubtful:
         kind = "undecided"
     elif largest.real < 0:
