@@ -18,7 +18,7 @@ run: .venv/user  ## install, build the FMUs, simulate Case 1; results and pictur
 	$(BIN)/curvesqueal build && $(BIN)/curvesqueal run case1 --picture
 
 test: lint types layers  ## lint, types, layers, tests and doctests
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 test-slow: .venv/developer  ## the tests that take minutes
 	$(BIN)/python -m pytest -n 2 -m slow

@@ -94,6 +94,7 @@ def test_jacobi_invents_squeal(case: int) -> None:
     assert scheme_error(*parts(case), 10e-6, "jacobi", TALLEST_HZ).invented >= (8 if case in (2, 4) else 2)
 
 
+@pytest.mark.slow
 def test_false_squeal_grows_in_a_jacobi_run_and_not_in_a_staggered_one() -> None:
     """Case 4 at 10 us, the invented mode that grows fastest: it decays as it should in the staggered run."""
     e = scheme_error(*parts(4), 10e-6, "jacobi", TALLEST_HZ)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from fmus.interface import DIRECTIONS
 from fmus.modal.data import read_modal_data
@@ -44,6 +45,7 @@ def test_the_table_orders_the_rails() -> None:
         assert accurate < with_extra < without
 
 
+@pytest.mark.slow
 def test_the_figures_are_written(tmp_path: Path) -> None:
     paths = write_receptance(TRACK, RAILS, tmp_path / "figures")
     assert [p.name for p in paths] == ["receptance.png", "figure-3.png", "figure-4.png"]

@@ -26,6 +26,7 @@ def test_sections_are_drawn_to_scale_with_units(tmp_path: Path) -> None:
         assert high > 448.0
 
 
+@pytest.mark.slow
 def test_every_mode_of_table_4_is_drawn(tmp_path: Path) -> None:
     """Eleven panels and a colour bar; each says its label and frequency."""
     figure = plot_modes(GENERIC)

@@ -74,6 +74,7 @@ def test_fmu_without_the_ports_of_a_structure_is_refused(built: Path) -> None:
         measure(open_fmu(built / "contact.fmu"), {}, DEFAULT_STEP)
 
 
+@pytest.mark.slow
 def test_stability_from_fmus_alone_is_that_of_their_modes(built: Path) -> None:
     """Case 1 with both structures measured: crossings to 0.2 % in gain, what the hold leaves to second order."""
     measured = find_stability("case1", str(built / "rail.fmu"), str(built / "wheel.fmu"))
