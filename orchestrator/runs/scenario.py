@@ -16,7 +16,7 @@ from ..coupling.assembly import Assembly, assemble, open_fmus
 from ..coupling.master import Settings
 from ..errors import Fault, InputError
 from ..fmi.instance import Fmu, Value
-from ..system.cases import find_system
+from ..system.cases import SYSTEM_FILES, find_system
 from ..system.friction import FRICTION
 from ..system.settable import spread
 
@@ -56,7 +56,7 @@ class Scenario:
     def absolute(self) -> Scenario:
         """Return a scenario that means the same in any folder; an FMU may go to another one while it runs."""
         file, separator, variant = self.system.partition("#")
-        named = Path(file).suffix in (".ssp", ".ssd", ".fmu")
+        named = Path(file).suffix in SYSTEM_FILES
         values = {
             component: {n: str(Path(str(v)).absolute()) if _is_file(n, v) else v for n, v in own.items()}
             for component, own in self.values.items()

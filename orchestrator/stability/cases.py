@@ -26,7 +26,7 @@ from ..coupling.assembly import open_fmus
 from ..errors import InputError
 from ..fmi.instance import Value, open_fmu
 from ..probing.response import measure
-from ..system.cases import find_system
+from ..system.cases import SYSTEM_FILES, find_system
 from ..system.kept import rail_named, track_file, track_names
 from ..system.model import Element, System
 from ..system.settable import labels_of, spread
@@ -129,7 +129,7 @@ def find_case(text: str) -> Case | None:
         If it is neither.
     """
     cases = {case.name: case for case in read_cases()}
-    if text not in cases and Path(text).suffix not in {".ssp", ".ssd", ".fmu"}:
+    if text not in cases and Path(text).suffix not in SYSTEM_FILES:
         raise InputError(f"{text}: neither a case ({', '.join(cases)}) nor an .ssp, .ssd or .fmu file")
     return cases.get(text)
 

@@ -19,6 +19,9 @@ from ..fmi.instance import open_fmu
 from .model import Element, System
 from .reader import read_system
 
+SYSTEM_FILES = (".ssp", ".ssd", ".fmu")
+"""What files that are a system end with."""
+
 
 def find_system(text: str) -> System:
     """Return the system of a case name or a file."""

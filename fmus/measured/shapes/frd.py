@@ -11,7 +11,7 @@ from ..function import Real
 from ..tables import read_text
 from ..units import UnitSystem
 from .nodal import NodalModes
-from .raw import RawMode, in_si
+from .raw import RawMode, in_si, needed
 
 _NODES, _RESULTS = "    2C", "  100C"
 
@@ -33,8 +33,7 @@ def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
     DataError
         For a file without modes, in a binary form, or cut off, with its line.
     """
-    if units is None:
-        raise DataError(f"{path.name}: does not say its units; give them with the option units, such as m,N or mm,N")
+    system = needed(path.name, units)
     reader = _Reader(path.name)
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         reader.take(line, number)
@@ -43,7 +42,7 @@ def read_frd(path: Path, units: UnitSystem | None) -> NodalModes:
         raise DataError(f"{path.name}: ends {inside}; the file is cut off")
     if not reader.modes:
         raise DataError(f"{path.name}: holds no eigenmodes with displacements (*FREQUENCY, *NODE FILE with U)")
-    return in_si(path.name, reader.modes, reader.position, units)
+    return in_si(path.name, reader.modes, reader.position, system)
 
 
 class _Reader:

@@ -59,13 +59,6 @@ class Nastran:
         self.grids[grid.node] = grid
 
 
-def needed(where: str, units: UnitSystem | None) -> UnitSystem:
-    """Return the units, which no file of Nastran says."""
-    if units is None:
-        raise DataError(f"{where}: does not say its units; give them with the option units, such as m,N or mm,N")
-    return units
-
-
 def shapes(found: Nastran, units: UnitSystem) -> NodalModes:
     """Return the modes that have shapes.
 

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from ...errors import DataError
 from ..units import UnitSystem
-from .nastran import Grid, Nastran, needed, shapes
+from .nastran import Grid, Nastran, shapes
 from .nodal import NodalModes
+from .raw import needed
 
 _VECTORS = ("OUGV1", "OUG1", "OPHIG", "BOUGV1", "BOPHIG", "OUGV1PAT")
 _VALUES = ("LAMA", "LAMAS")

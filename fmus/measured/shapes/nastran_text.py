@@ -15,8 +15,9 @@ from ...errors import DataError
 from ..function import Real
 from ..tables import read_text
 from ..units import UnitSystem
-from .nastran import Grid, Nastran, needed, shapes
+from .nastran import Grid, Nastran, shapes
 from .nodal import NodalModes
+from .raw import needed
 
 _VALUES, _VECTOR = "R E A L   E I G E N V A L U E S", "R E A L   E I G E N V E C T O R   N O ."
 _ECHO, _END = re.compile(r"^\s+\d+-\s{8}(GRID[* ].*|\*.*)$"), "END OF JOB"

@@ -67,3 +67,10 @@ def in_si(where: str, modes: Sequence[RawMode], position: Mapping[int, Real], un
         position={node: xyz / units.length for node, xyz in position.items()},
         labels=tuple(f"mode {mode.number or i}" for i, mode in enumerate(modes, start=1)),
     )
+
+
+def needed(where: str, units: UnitSystem | None) -> UnitSystem:
+    """Return the units, where a file says none itself."""
+    if units is None:
+        raise DataError(f"{where}: does not say its units; give them with the option units, such as m,N or mm,N")
+    return units

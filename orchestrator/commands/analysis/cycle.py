@@ -62,19 +62,18 @@ def cycle(  # noqa: PLR0913 - one argument per option
             )
     except InputError as reason:
         raise InputError(f"{system}: {reason}") from None
+    asked = found if tone is None else with_fields(found, cycles=found.all_near(tone))
     if against is not None:
-        chosen = found.cycles if tone is None else found.all_near(tone)
-        follow_all(with_fields(found, cycles=chosen), name, against, (no_stability, json), out)
+        follow_all(asked, name, against, (no_stability, json), out)
         return
     if out is not None:
         draw(found, name, tone, out)
-    asked = with_fields(found, cycles=found.cycles if tone is None else found.all_near(tone)) if torus else None
     if json:
-        tori = {} if asked is None else {"tori": tori_as_json(asked)}
+        tori = {"tori": tori_as_json(asked)} if torus else {}
         screen.print_json(data={**as_json(name, found), **tori})
         return
     show(found, f"{name}: tones")
-    if asked is not None:
+    if torus:
         show_tori(asked)
 
 
