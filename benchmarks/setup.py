@@ -20,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from fmi3_fmu import write_ssd
 from foreign_fmus import foreign_fmu, variable
+from stored import store
 
 from orchestrator.coupling.assembly import assemble
 from orchestrator.coupling.master import Master, Settings
@@ -53,6 +54,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         measure(Path(folder), 2)  # compiled code is loaded once
         rows = [measure(Path(folder), count) for count in SIZES]
+    ratios = [f"| {row['fmus']} | {row['wires']} | {row['set_up_s'] / row['read_s']:.2f} |" for row in rows]
+    store("Setting up large systems", [
+        "`python benchmarks/setup.py`: time until a system is ready to step over that of reading its file.", "",
+        "| FMUs | wires | setting up / reading |", "| --- | --- | --- |", *ratios,
+    ])  # fmt: skip
     if "--json" in sys.argv:
         Console().print_json(data=rows)
         return
